@@ -1,0 +1,568 @@
+/* bitvox.h - shapes to voxels and voxels to shapes: the whole public interface of libbitvox.
+ *
+ *   bvx_context *ctx;  bvx_lattice lat;  bvx_grid solid = {0};  bvx_mesh lod[3] = {{0}};
+ *   bvx_context_create(NULL, &ctx);
+ *   bvx_lattice_fit(ctx, &view, 256, &lat);
+ *   bvx_voxelize_solid(ctx, &view, &lat, NULL, &solid);
+ *   bvx_build_lods(ctx, &solid, &options, 3, lod);
+ *
+ * Conventions that hold for every function below
+ *   Result      Functions that can fail return bvx_status; results come through the last parameter.
+ *   Failure     Inputs are unchanged, nothing leaks, results that the library would have made stay empty, arrays
+ *               that the caller gave to be filled hold valid but unspecified values, and bvx_last_message(ctx)
+ *               says what was wrong, where and why. A cancelled call is a failure with BVX_CANCELLED.
+ *   Memory      All of it comes from the context's allocator and counts against its limit.
+ *   Threads     One context is used by one thread at a time; two contexts share nothing.
+ *   Exactness   Same bits for any compiler, processor, thread count and window, unless a function says otherwise.
+ *   Options     Structs carry their size first and are filled by their _init function; NULL means all defaults.
+ *   Reserved    Fields named reserved must be zero.
+ *   Tags        [Size:] [Limit:] [Units:] [Default:] are fixed words, for people and for scripts.
+ *
+ * Licence: MIT. */
+#ifndef BITVOX_H
+#define BITVOX_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(BVX_STATIC_API)
+#define BVX_API static
+#elif defined(_WIN32) && defined(BVX_BUILD_SHARED)
+#define BVX_API __declspec(dllexport)
+#elif defined(_WIN32) && defined(BVX_USE_SHARED)
+#define BVX_API __declspec(dllimport)
+#elif defined(__GNUC__)
+#define BVX_API __attribute__((visibility("default")))
+#else
+#define BVX_API
+#endif
+
+#define BVX_VERSION_MAJOR 0
+#define BVX_VERSION_MINOR 1
+#define BVX_VERSION_PATCH 0
+#define BVX_VERSION (BVX_VERSION_MAJOR * 10000 + BVX_VERSION_MINOR * 100 + BVX_VERSION_PATCH)
+
+/* ---- Status ------------------------------------------------------------------------------------------------ */
+
+typedef int32_t bvx_status;
+
+/** Every status, its number (frozen) and its text. */
+#define BVX_STATUS_LIST(X)                                                                  \
+    X(BVX_OK, 0, "done")                                                                    \
+    X(BVX_ERR_ARGUMENT, 1, "an argument is NULL, out of range or contradicts another")      \
+    X(BVX_ERR_VERSION, 2, "the header and the library are of different major versions")     \
+    X(BVX_ERR_MEMORY, 3, "the allocator returned nothing")                                  \
+    X(BVX_ERR_BUDGET, 4, "the memory limit does not allow it")                              \
+    X(BVX_ERR_RANGE, 5, "a coordinate, index or size is outside what can be represented")   \
+    X(BVX_ERR_EMPTY, 6, "the input holds nothing to work on")                               \
+    X(BVX_ERR_FORMAT, 7, "the data is damaged or not of the stated format")                 \
+    X(BVX_ERR_UNSUPPORTED, 8, "a valid request that this build or format cannot serve")     \
+    X(BVX_ERR_CAPACITY, 9, "an array given by the caller is too small")                     \
+    X(BVX_ERR_LATTICE, 10, "the grids do not share one lattice or window")                  \
+    X(BVX_CANCELLED, 11, "the progress callback asked to stop")
+
+enum {
+#define BVX_STATUS_ENUM(name, value, text) name = value,
+    BVX_STATUS_LIST(BVX_STATUS_ENUM)
+#undef BVX_STATUS_ENUM
+    BVX_STATUS_COUNT = 12
+};
+
+/** The fixed text of a status; "unknown status" for any other number. Never NULL. */
+BVX_API const char *bvx_status_text(bvx_status status);
+
+/** The library's version, made like BVX_VERSION. */
+BVX_API int32_t bvx_version(void);
+
+/* ---- Context ----------------------------------------------------------------------------------------------- */
+
+typedef struct bvx_context bvx_context;
+
+/** Returns size bytes aligned to align (a power of two up to 64), or NULL. */
+typedef void *bvx_alloc_fn(void *user, size_t size, size_t align);
+/** Takes back what bvx_alloc_fn gave, with the same size and align. */
+typedef void bvx_free_fn(void *user, void *block, size_t size, size_t align);
+/** Called on the calling thread between pieces of work; fraction grows from 0 to 1 within a stage.
+ *  A result other than 0 cancels. */
+typedef int32_t bvx_progress_fn(void *user, const char *stage, double fraction);
+/** One piece of parallel work; worker is below the context's thread count and never runs two pieces at once. */
+typedef void bvx_task_fn(void *task_user, int32_t index, int32_t worker);
+/** Runs task(task_user, index, worker) once for every index in [0, count), in any order, and returns when all ended. */
+typedef void bvx_parallel_fn(void *user, int32_t count, bvx_task_fn *task, void *task_user);
+
+enum { BVX_CPU_BEST = 0, BVX_CPU_PORTABLE = 1, BVX_CPU_AVX2 = 2 };
+
+typedef struct bvx_context_options {
+    size_t struct_size;        /**< set by bvx_context_options_init */
+    bvx_alloc_fn *alloc;       /**< [Default: the C library's heap; required in freestanding builds without arena] */
+    bvx_free_fn *free;         /**< given together with alloc */
+    void *alloc_user;          /**< first argument of alloc and free */
+    void *arena;               /**< memory to live in: results grow from its low end, scratch from its high end [Default: NULL] */
+    uint64_t arena_size;       /**< [Units: bytes] */
+    uint64_t memory_limit;     /**< [Units: bytes] [Default: 0, none] */
+    bvx_parallel_fn *parallel; /**< the caller's own parallel-for [Default: OpenMP where built in, else none] */
+    void *parallel_user;       /**< first argument of parallel */
+    bvx_progress_fn *progress; /**< [Default: NULL, never called] */
+    void *progress_user;       /**< first argument of progress */
+    int32_t threads;           /**< workers [Limit: 0..1024] [Default: 0, all that OpenMP offers; 1 with a parallel of one's own] */
+    int32_t cpu;               /**< fastest code that may run, BVX_CPU_... [Default: BVX_CPU_BEST] */
+} bvx_context_options;
+
+BVX_API void bvx_context_options_init(bvx_context_options *options, size_t size);
+
+/** Create a context; call it through bvx_context_create, which passes the header's version.
+ *  Returns BVX_ERR_VERSION when the majors differ, BVX_ERR_ARGUMENT, BVX_ERR_MEMORY. Cost: O(1). */
+BVX_API bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
+                                              bvx_context **context);
+
+static inline bvx_status bvx_context_create(const bvx_context_options *options, bvx_context **context)
+{
+    return bvx_context_create_version(BVX_VERSION, options, context);
+}
+
+/** Release a context. What it allocated for results stays valid until freed through another context with the same
+ *  allocator; with an arena it ends with the arena. NULL is allowed. */
+BVX_API void bvx_context_destroy(bvx_context *context);
+
+/** What went wrong in the last call that failed, in one line; "" when none did. Valid until the next call. */
+BVX_API const char *bvx_last_message(const bvx_context *context);
+
+/** Bytes now held, results included, and the most ever held since creation or the last reset. */
+BVX_API uint64_t bvx_memory_used(const bvx_context *context);
+BVX_API uint64_t bvx_memory_peak(const bvx_context *context);
+BVX_API void bvx_memory_reset_peak(bvx_context *context);
+
+/** Workers of this context, and the code path chosen (BVX_CPU_PORTABLE or BVX_CPU_AVX2). */
+BVX_API int32_t bvx_context_threads(const bvx_context *context);
+BVX_API int32_t bvx_context_cpu(const bvx_context *context);
+
+/* ---- Lattices ---------------------------------------------------------------------------------------------- */
+
+/** Voxel (i,j,k) is the half-open box [origin + ijk*spacing, origin + (ijk+1)*spacing); samples sit at its centre.
+ *  All four fields are the lattice's identity. */
+typedef struct bvx_lattice {
+    double origin[3];      /**< low corner of voxel (0,0,0) [Units: world] [Limit: finite] */
+    double spacing[3];     /**< edges of a voxel [Units: world] [Limit: > 0, finite] */
+    int32_t dims[3];       /**< [Units: voxels] [Limit: 1..2^25] */
+    int32_t fraction_bits; /**< fixed-point bits below a voxel [Limit: 4..16] */
+} bvx_lattice;
+
+/** A box of a lattice: voxels low .. low + size - 1. All zero stands for the whole lattice. */
+typedef struct bvx_window {
+    int32_t low[3];
+    int32_t size[3];
+} bvx_window;
+
+typedef struct bvx_lattice_options {
+    size_t struct_size;
+    int32_t resolution;         /**< voxels along the longest axis, cubic voxels [Default: 0, unset] */
+    int32_t axis_resolution[3]; /**< voxels along each axis, stretched voxels [Default: 0, unset] */
+    double spacing[3];          /**< edges of a voxel [Units: world] [Default: 0, unset] */
+    int32_t padding;            /**< empty voxels added on every side [Limit: 0..65536] [Default: 0] */
+    int32_t reserved;
+} bvx_lattice_options;
+
+struct bvx_mesh_view;
+
+BVX_API void bvx_lattice_options_init(bvx_lattice_options *options, size_t size);
+
+/** A lattice of cubic voxels around a mesh, resolution voxels along its longest axis, low-aligned: bounds of the
+ *  vertices that triangles use, dims the least count that covers them.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (a coordinate that is not finite, an index
+ *  beyond the vertices, dims beyond 2^25). Memory: none. Cost: O(vertices + triangles). */
+BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const struct bvx_mesh_view *mesh, int32_t resolution,
+                                   bvx_lattice *lattice);
+
+/** The same with all choices; exactly one of resolution, axis_resolution and spacing is set. */
+BVX_API bvx_status bvx_lattice_fit_with(bvx_context *context, const struct bvx_mesh_view *mesh,
+                                        const bvx_lattice_options *options, bvx_lattice *lattice);
+
+/** A lattice from its parts; fraction_bits follows from dims. Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE. */
+BVX_API bvx_status bvx_lattice_make(bvx_context *context, const double origin[3], const double spacing[3],
+                                    const int32_t dims[3], bvx_lattice *lattice);
+
+/* ---- Grids ------------------------------------------------------------------------------------------------- */
+
+/** A set of voxels, one bit each. Voxel (x,y,z) of the window is bit (x & 63) of
+ *  words[(z * size[1] + y) * words_per_row + (x >> 6)]; bits at or past size[0] are always 0. */
+typedef struct bvx_grid {
+    uint64_t *words;        /**< [Size: bvx_grid_bound] 64-byte aligned when the library made it */
+    uint64_t word_capacity; /**< words that the array holds; set by the caller who brings his own array */
+    bvx_lattice lattice;
+    int32_t low[3];         /**< window: lattice index of voxel (0,0,0) of this grid [Units: voxels] */
+    int32_t size[3];        /**< window: voxels along each axis [Units: voxels] */
+    int32_t words_per_row;  /**< (size[0] + 63) / 64 */
+    int32_t owned;          /**< 1 when bvx_grid_free returns words to the allocator */
+    int32_t reserved[4];
+} bvx_grid;
+
+/** Words that the grid of a window needs; 0 when the window is not inside the lattice. NULL window: all of it. */
+BVX_API uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window);
+
+/** An empty grid. A grid that holds words of the caller's is filled in place when word_capacity suffices.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (window outside the lattice), BVX_ERR_CAPACITY, BVX_ERR_BUDGET,
+ *  BVX_ERR_MEMORY. Cost: O(words). */
+BVX_API bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
+                                   bvx_grid *grid);
+
+/** Return what the library allocated and zero the struct. */
+BVX_API void bvx_grid_free(bvx_context *context, bvx_grid *grid);
+
+/** Set voxels. Returns BVX_ERR_ARGUMENT. Cost: O(words). */
+BVX_API bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count);
+
+/** Hash of size, low, lattice and bits; the recipe stands beside bvx_hash. */
+BVX_API bvx_status bvx_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *hash);
+
+/** 1 when voxel (x,y,z) of the window is set; no check of the range. */
+static inline int bvx_grid_get(const bvx_grid *grid, int32_t x, int32_t y, int32_t z)
+{
+    size_t const row = (size_t)z * (size_t)grid->size[1] + (size_t)y;
+    return (int)(grid->words[row * (size_t)grid->words_per_row + (size_t)(x >> 6)] >> (x & 63) & 1);
+}
+
+/** Set (value 1) or clear (value 0) voxel (x,y,z) of the window; no check of the range. */
+static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z, int value)
+{
+    size_t const row = (size_t)z * (size_t)grid->size[1] + (size_t)y;
+    uint64_t *const word = &grid->words[row * (size_t)grid->words_per_row + (size_t)(x >> 6)];
+    uint64_t const bit = UINT64_C(1) << (x & 63);
+    *word = value ? *word | bit : *word & ~bit;
+}
+
+/* ---- Meshes ------------------------------------------------------------------------------------------------ */
+
+enum { BVX_F32 = 1, BVX_F64 = 2 };
+enum { BVX_U16 = 1, BVX_U32 = 2, BVX_U64 = 3 };
+
+/** Borrowed input: pointers into the caller's arrays. */
+typedef struct bvx_mesh_view {
+    const void *positions;    /**< x, y, z of each vertex [Size: vertex_count] */
+    const void *indices;      /**< three vertex numbers a triangle; NULL: triangle t has vertices 3t, 3t+1, 3t+2 */
+    uint64_t vertex_count;    /**< [Limit: < 2^32] */
+    uint64_t triangle_count;  /**< [Limit: < 2^31] */
+    uint32_t position_type;   /**< BVX_F32 or BVX_F64 */
+    uint32_t position_stride; /**< from vertex to vertex [Units: bytes] [Default: 0, packed] */
+    uint32_t index_type;      /**< BVX_U16, BVX_U32 or BVX_U64; ignored without indices */
+    uint32_t index_stride;    /**< from triangle to triangle [Units: bytes] [Default: 0, packed] */
+    uint64_t reserved[2];
+} bvx_mesh_view;
+
+/** An indexed triangle mesh, counter-clockwise seen from outside. A zeroed struct is empty and ready to receive;
+ *  one with arrays and capacities of the caller's is filled in place. */
+typedef struct bvx_mesh {
+    void *positions;            /**< float or double [Size: vertex_count * 3] [Units: world, less frame] */
+    uint32_t *triangles;        /**< [Size: triangle_count * 3] */
+    uint64_t *vertex_keys;      /**< canonical key of each vertex, where asked for; else NULL */
+    uint64_t *triangle_keys;    /**< canonical key of each triangle's cell, where asked for; else NULL */
+    uint64_t vertex_count;
+    uint64_t triangle_count;
+    uint64_t vertex_capacity;   /**< vertices that the arrays hold */
+    uint64_t triangle_capacity; /**< triangles that the arrays hold */
+    double frame[3];            /**< add to positions to reach the world; zero unless a local frame was asked for */
+    int32_t position_type;      /**< BVX_F32 or BVX_F64 */
+    int32_t owned;              /**< 1 when bvx_mesh_free returns the arrays to the allocator */
+    uint64_t reserved[4];
+} bvx_mesh;
+
+/** Return what the library allocated and zero the struct. */
+BVX_API void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh);
+
+/** A view of a mesh; the frame is not part of it. */
+BVX_API void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view);
+
+/** Hash of type, counts, frame, positions and triangles; the recipe stands beside bvx_hash. */
+BVX_API bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash);
+
+/** The hash behind all golden values: FNV-1a over 64-bit little-endian words. Start with h = seed ^ 0xcbf29ce484222325;
+ *  for each 8 bytes as a little-endian word, then for what is left (if anything) filled up with zero bytes, then for
+ *  the byte count: h = (h ^ word) * 0x100000001b3, then h ^= h >> 32.
+ *  Grids and meshes are byte strings hashed one after the other, the first with seed 0, each next one with the hash
+ *  so far as its seed; numbers stand as their little-endian bytes. A grid: a head of low, size, dims, fraction_bits
+ *  as int32 and origin, spacing as f64 (88 bytes); then the words. A mesh: a head of position_type as int32, a zero
+ *  int32, vertex_count, triangle_count as u64, frame as f64 (48 bytes); then the positions; then the triangles. */
+BVX_API uint64_t bvx_hash(const void *bytes, size_t size, uint64_t seed);
+
+/** What a mesh is. Vertices at equal positions are one vertex when weld is asked for (file formats without indices). */
+typedef struct bvx_certificate {
+    int32_t closed;            /**< 1: every edge has two or more triangle sides, none is a boundary */
+    int32_t edge_manifold;     /**< 1: no edge has more than two triangles */
+    int32_t vertex_manifold;   /**< 1: the triangles round every vertex form one fan */
+    int32_t oriented;          /**< 1: no two triangles run along an edge in the same direction */
+    uint64_t vertices;         /**< vertices that triangles use, after welding */
+    uint64_t edges;            /**< different edges of the triangles that count */
+    uint64_t triangles;        /**< triangles that count: three different vertices */
+    uint64_t unused_vertices;
+    uint64_t collapsed;        /**< triangles with two equal vertices, left out of all that follows */
+    uint64_t degenerate;       /**< triangles that count but have no area in the arithmetic of doubles */
+    uint64_t duplicates;       /**< triangles whose three vertices an earlier one has, in any order */
+    uint64_t boundary_edges;   /**< edges with one triangle */
+    uint64_t nonmanifold_edges; /**< edges with three or more */
+    uint64_t flipped_edges;    /**< edges with two triangles that run along it in the same direction */
+    uint64_t nonmanifold_vertices;
+    uint64_t components;       /**< connected through edges */
+    int64_t euler;             /**< vertices - edges + triangles */
+    double volume;             /**< signed, by the divergence theorem about the bounds' centre [Units: world^3] */
+    double area;               /**< [Units: world^2] */
+    double low[3], high[3];    /**< bounds of the used vertices [Units: world] */
+    uint64_t reserved[4];
+} bvx_certificate;
+
+/** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0).
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (index or coordinate, with its number), BVX_ERR_MEMORY, BVX_ERR_BUDGET.
+ *  A mesh without triangles is no error: its certificate is all zero.
+ *  Memory: about 60 bytes a triangle. Cost: O(triangles), radix sorts. Exact: all but volume and area, which are
+ *  sums of doubles in triangle order and the same everywhere. */
+BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
+                                  bvx_certificate *certificate);
+
+/** Distances from random points on one mesh to the nearest points of another. */
+typedef struct bvx_distance_report {
+    uint64_t samples;      /**< points taken on each side */
+    uint64_t seed;
+    double mean_a_to_b, max_a_to_b, mean_b_to_a, max_b_to_a; /**< [Units: world] */
+    double mean, max;      /**< of both ways: the mean of the means, the greater maximum [Units: world] */
+    double normal_a_to_b;  /**< mean of 1 - cos of the angle between the facets' normals, from a */
+    double normal_b_to_a;
+} bvx_distance_report;
+
+/** Sample each mesh uniformly by area (stratified, from a fixed generator and seed) and measure to the other.
+ *  samples [Limit: 1..2^31-1]. Frames are not looked at: give meshes in one frame.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET.
+ *  Cost: O((samples + triangles) log triangles). */
+BVX_API bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
+                                     uint64_t samples, uint64_t seed, bvx_distance_report *report);
+
+/* ---- Solid voxelization ------------------------------------------------------------------------------------ */
+
+/** How crossings along a row decide what is inside. */
+enum {
+    BVX_FILL_PARITY = 0,  /**< an odd number of crossings before the centre: nested shells are cavities */
+    BVX_FILL_NONZERO = 1  /**< winding number other than zero: overlapping and inverted shells are one solid */
+};
+
+typedef struct bvx_solid_report {
+    uint64_t triangles_used;  /**< triangles that cover the centre of a row of the window */
+    uint64_t crossings;       /**< of rows with the surface, also outside the window along x */
+    uint64_t unbalanced_rows; /**< rows redone without their unmatched crossings: the mesh has a hole there */
+    uint64_t dropped;         /**< unmatched crossings dropped in them */
+    uint64_t reserved[4];
+} bvx_solid_report;
+
+typedef struct bvx_voxelize_options {
+    size_t struct_size;
+    int32_t fill;             /**< BVX_FILL_... [Default: BVX_FILL_PARITY] */
+    int32_t reserved;
+    bvx_window window;        /**< [Default: all zero, the whole lattice] */
+    bvx_solid_report *report; /**< receives counts when not NULL [Default: NULL] */
+} bvx_voxelize_options;
+
+BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size);
+
+/**
+ * Set the voxels whose centres lie inside a mesh.
+ *
+ * Vertices are snapped to the lattice's fixed point; from there every decision is exact. A triangle is projected
+ * along x and gives one crossing to each row of centres that its projection covers; ties fall as if every centre
+ * were moved by (e_x, e_y, e_z), e_x >> e_y >> e_z > 0, so shared edges are counted once and solids that share
+ * faces never share voxels. Rows whose crossings do not balance over the whole line drop the unmatched ones and are
+ * counted: parity drops the crossing without which least of the row is filled (the later of two equals); nonzero
+ * drops leaving crossings with nothing before them to leave, or entering ones with nothing behind.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (vertex or index with its number: not
+ * finite, beyond the vertices, or too far from the lattice for its fixed point), BVX_ERR_CAPACITY, BVX_ERR_BUDGET,
+ * BVX_ERR_MEMORY, BVX_CANCELLED.
+ * Memory: the grid, 16 bytes a vertex, 4 a triangle that covers a row (nonzero: 8 a crossing more), small change.
+ * Cost: O(vertices + triangles + crossings + words). Local: a window holds the bits of the whole there.
+ * Source: scanline solid of "LOD by voxelization and downsampling" 2.3, with an exact tie rule in place of offsets.
+ */
+BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                      const bvx_voxelize_options *options, bvx_grid *solid);
+
+/* ---- Surface extraction ------------------------------------------------------------------------------------ */
+
+/** What happens on a cell face whose two diagonals differ. */
+enum {
+    BVX_FACE_SEPARATE = 0, /**< set corners are kept apart: the solid is 6-connected */
+    BVX_FACE_JOIN = 1      /**< set corners are joined: the solid is 18-connected on faces */
+};
+
+/** Sides of the window that are left open (bits of open_sides). */
+enum {
+    BVX_OPEN_X_LOW = 1, BVX_OPEN_X_HIGH = 2, BVX_OPEN_Y_LOW = 4, BVX_OPEN_Y_HIGH = 8,
+    BVX_OPEN_Z_LOW = 16, BVX_OPEN_Z_HIGH = 32
+};
+
+typedef struct bvx_extract_options {
+    size_t struct_size;
+    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t position_type; /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t open_sides;    /**< BVX_OPEN_... [Default: 0, beyond the window counts as empty] */
+    int32_t keys;          /**< 1: fill vertex_keys and triangle_keys [Limit: dims < 2^20] [Default: 0] */
+    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
+    int32_t reserved;
+} bvx_extract_options;
+
+BVX_API void bvx_extract_options_init(bvx_extract_options *options, size_t size);
+
+/** Exact size of what bvx_extract_surface would make. Memory: 16 bytes a row. Cost: O(words + crossings). */
+BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
+                                     uint64_t *vertex_count, uint64_t *triangle_count);
+
+/**
+ * The surface between set and empty voxel centres by marching cubes, vertices at the middle of lattice edges.
+ *
+ * Closed, outwards, edge- and vertex-manifold, no duplicate triangle and none without area; a side that is left
+ * open has a boundary there. Only cells whose eight centres lie in the window are visited on open sides, so windows
+ * that overlap by one layer of voxels tile the whole, and bvx_mesh_merge joins them to the whole's bytes.
+ * Vertices are in order of (z, y, axis, x) of their lattice edge, triangles of (z, y, x) of their cell.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (f32 cannot tell neighbouring positions apart: take f64 or local_frame;
+ * 2^32 vertices or more), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. An empty grid gives an
+ * empty mesh. Memory: the mesh and 16 bytes a row. Cost: O(words + crossings).
+ * Source: Lorensen, Cline. Marching Cubes. 1987; face rules and triangulations from src/surface/tables.py.
+ */
+BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
+                                       bvx_mesh *mesh);
+
+/** Join meshes with keys (windows of one lattice) into one: the bytes of the whole extracted at once, keys included.
+ *  Returns BVX_ERR_ARGUMENT (no keys, types or frames that differ), BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET.
+ *  Cost: O(n), radix sorts. Memory: the result, and 24 bytes a vertex or triangle of the parts. */
+BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole);
+
+/* ---- Levels of detail -------------------------------------------------------------------------------------- */
+
+enum {
+    BVX_LOD_EDGE_RATIO = 1, /**< the paper's: samples of the extended voxel function, first change along an edge */
+    BVX_LOD_COVERAGE = 2    /**< fraction of set voxels in the sample's box, linear positions */
+};
+
+typedef struct bvx_lod_report {
+    int32_t resolution[3]; /**< samples along each axis */
+    int32_t reserved;
+    double ratio[3];       /**< voxels a sample along each axis */
+    uint64_t vertices, triangles;
+    uint64_t searched;     /**< resolutions that the search for a triangle count tried */
+    int32_t exceeds_source; /**< 1: more triangles than source_triangles: a simplification rate above 1 */
+    int32_t reserved2;
+} bvx_lod_report;
+
+typedef struct bvx_lod_options {
+    size_t struct_size;
+    int32_t method;                    /**< BVX_LOD_... [Default: BVX_LOD_EDGE_RATIO, nearer to the original where measured] */
+    int32_t edge_samples;              /**< steps along an edge, edge ratio only [Limit: 0..65536] [Default: 0, four times the ratio rounded up] */
+    double threshold;                  /**< inside means above it [Limit: > 0, < 1, kept to 2^-16] [Default: 0.5] */
+    const int32_t *resolutions;        /**< samples along the longest axis of each level [Size: level_count] [Default: NULL] */
+    const int32_t *axis_resolutions;   /**< samples along x, y, z of each level [Size: level_count * 3] [Default: NULL] */
+    const uint64_t *target_triangles;  /**< most triangles of each level [Size: level_count] [Default: NULL] */
+    uint64_t source_triangles;         /**< triangles of the mesh behind the grid, for exceeds_source [Default: 0, unknown] */
+    int32_t face_rule;                 /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t position_type;             /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t local_frame;               /**< as in bvx_extract_options [Default: 0] */
+    int32_t reserved;
+    bvx_lod_report *reports;           /**< [Size: level_count] filled when not NULL [Default: NULL] */
+} bvx_lod_options;
+
+BVX_API void bvx_lod_options_init(bvx_lod_options *options, size_t size);
+
+/**
+ * Closed meshes of several sizes from one solid.
+ *
+ * Each level lays a coarser lattice over the grid, n voxels to r samples along an axis (any ratio n/r >= 1, one ratio
+ * for all axes unless asked otherwise), origin to origin: sample i stands in the middle of its stretch
+ * [i n/r, (i+1) n/r) of voxels. Positions are those places in the world, so nothing shifts or shrinks by placement.
+ * Exactly one of resolutions, axis_resolutions and target_triangles is given. A target takes the largest resolution
+ * that a bisection over resolutions finds not to exceed it; a target below the coarsest level's triangles is an error.
+ * Each level is closed, outwards, edge- and vertex-manifold.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (resolution above the grid's; f32 as in bvx_extract_surface), BVX_ERR_EMPTY
+ * (a level that keeps nothing, named), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. After a failure no level is left.
+ * Memory: the meshes, one coarse grid, 24 bytes a sample row and column (coverage: and 4 bytes a sample). Cost: O(words + samples) a level.
+ * Source: "LOD by voxelization and downsampling" 2.4, with the middle of the step and the phase defined.
+ */
+BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
+                                  uint64_t level_count, bvx_mesh *levels);
+
+/* ==== Second section: formats and pictures ================================================================== */
+
+enum {
+    BVX_FORMAT_UNKNOWN = 0, BVX_FORMAT_STL = 1, BVX_FORMAT_OBJ = 2, BVX_FORMAT_PLY = 3, BVX_FORMAT_NPY = 4,
+    BVX_FORMAT_PNG = 5
+};
+
+/** Bytes made by the library; freed by bvx_buffer_free. */
+typedef struct bvx_buffer {
+    uint8_t *bytes;
+    uint64_t size;
+    uint64_t capacity;
+} bvx_buffer;
+
+BVX_API void bvx_buffer_free(bvx_context *context, bvx_buffer *buffer);
+
+/** The format that a file name's ending stands for (".gz" is looked through), in either case of letters. */
+BVX_API int32_t bvx_format_of_name(const char *name);
+
+/**
+ * Read a mesh from the bytes of a file.
+ *
+ * format  BVX_FORMAT_STL, _OBJ or _PLY. STL: ASCII and binary are told apart by content and size.
+ * mesh    out; positions f32 where the file says float (STL, PLY float), f64 otherwise; STL vertices are welded
+ *         where their bits are equal. Polygons become fans of triangles.
+ *
+ * Returns BVX_ERR_FORMAT (byte, line or element number, and why), BVX_ERR_RANGE (index or number out of range),
+ * BVX_ERR_EMPTY (no triangle), BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ * Memory: a small multiple of the file; counts that the size cannot hold are refused before allocation.
+ */
+BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                 bvx_mesh *mesh);
+
+/** Write a mesh: STL and PLY binary little-endian, OBJ as text that reads back to the same numbers. The frame is
+ *  added. Returns BVX_ERR_ARGUMENT, BVX_ERR_UNSUPPORTED, BVX_ERR_MEMORY, BVX_ERR_BUDGET. */
+BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file);
+
+/** Write a grid: BVX_FORMAT_NPY, bool, axes [x,y,z] (Fortran order, so that x runs fastest in the file too). */
+BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file);
+
+/** Pixels, top row first, red green blue. */
+typedef struct bvx_image {
+    uint8_t *pixels; /**< [Size: width * height * 3] */
+    int32_t width, height;
+} bvx_image;
+
+BVX_API void bvx_image_free(bvx_context *context, bvx_image *image);
+
+typedef struct bvx_render_options {
+    size_t struct_size;
+    int32_t width, height;  /**< [Units: pixels] [Limit: 1..16384] [Default: 1024, 768] */
+    double direction[3];    /**< from the model towards the eye [Default: 3, -4, 2] */
+    double up[3];           /**< what is up in the picture [Default: 0, 0, 1] */
+    uint8_t colour[4];      /**< of the surface: red, green, blue, 0 [Default: 200, 196, 188] */
+    uint8_t background[4];  /**< [Default: 255, 255, 255] */
+    int32_t smooth;         /**< 1: normals averaged at vertices, 0: of each facet [Default: 0] */
+    int32_t samples;        /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
+} bvx_render_options;
+
+BVX_API void bvx_render_options_init(bvx_render_options *options, size_t size);
+
+/** A shaded picture of a mesh that fills the frame: orthographic, one light near the eye, ambient light from the
+ *  depths around. Deterministic bytes. Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ *  Cost: O(pixels * samples^2 + triangles). */
+BVX_API bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_render_options *options,
+                                   bvx_image *image);
+
+/** The same for a grid: its exposed voxel faces. */
+BVX_API bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx_render_options *options,
+                                   bvx_image *image);
+
+/** Write a PNG with stored blocks: its bytes depend on the pixels alone. */
+BVX_API bvx_status bvx_write_png(bvx_context *context, const bvx_image *image, bvx_buffer *file);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* BITVOX_H */
