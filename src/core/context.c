@@ -1,0 +1,104 @@
+/* context.c - create and destroy what carries allocator, limits, threads and callbacks. */
+#include "context.h"
+
+static const bvx_context_options context_defaults = {0};
+
+void bvx_context_options_init(bvx_context_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &context_defaults, sizeof context_defaults);
+}
+
+static int options_ok(const bvx_context_options *o)
+{
+    int const own = o->alloc != NULL || o->free != NULL;
+    if (own && (o->alloc == NULL || o->free == NULL || o->arena != NULL)) return 0;
+    if ((o->arena == NULL) != (o->arena_size == 0)) return 0;
+    if (o->threads < 0 || o->threads > BVXI_MAX_THREADS) return 0;
+    return o->cpu >= BVX_CPU_BEST && o->cpu <= BVX_CPU_AVX2;
+}
+
+static int32_t choose_threads(const bvx_context_options *o)
+{
+    int32_t const offered = bvxi_openmp_threads();
+    if (o->parallel != NULL) return o->threads == 0 ? 1 : o->threads;
+    if (offered == 0) return 1;
+    return o->threads == 0 ? offered : o->threads;
+}
+
+static int32_t choose_cpu(int32_t wanted)
+{
+    int32_t const best = bvxi_cpu_detect();
+    return wanted == BVX_CPU_BEST || wanted > best ? best : wanted;
+}
+
+/* The context and a word for the arena's chain come off the arena's front; the rest becomes the arena. */
+static bvx_context *place_in_arena(void *memory, uint64_t size, bvxi_arena *arena)
+{
+    unsigned char *const base = memory;
+    size_t const skip = (BVXI_ALIGN - (uintptr_t)base % BVXI_ALIGN) % BVXI_ALIGN;
+    size_t const own = (sizeof(bvx_context) + BVXI_ALIGN - 1) / BVXI_ALIGN * BVXI_ALIGN;
+    size_t const fixed = skip + own + BVXI_ALIGN; /* one line at the end holds the chain word */
+    if (size > SIZE_MAX || size < fixed + BVXI_ALIGN) return NULL;
+    arena->memory = base + skip + own;
+    arena->size = ((size_t)size - fixed) / BVXI_ALIGN * BVXI_ALIGN;
+    arena->low = 0;
+    arena->high = arena->size;
+    memset(arena->memory + arena->size, 0, sizeof(size_t));
+    return (bvx_context *)(void *)(base + skip);
+}
+
+bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options, bvx_context **context)
+{
+    bvx_context_options o = context_defaults;
+    bvxi_arena arena = {0};
+    bvx_context *c;
+    size_t given_size = 0;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    *context = NULL;
+    if (header_version / 10000 != BVX_VERSION_MAJOR) return BVX_ERR_VERSION;
+    if (options != NULL) {
+        memcpy(&given_size, options, sizeof given_size);
+        if (given_size < sizeof given_size || given_size > 65536) return BVX_ERR_ARGUMENT;
+        for (size_t i = sizeof o; i < given_size; i++)
+            if (((const unsigned char *)options)[i] != 0) return BVX_ERR_VERSION;
+        memcpy(&o, options, given_size < sizeof o ? given_size : sizeof o);
+    }
+    if (!options_ok(&o)) return BVX_ERR_ARGUMENT;
+    if (o.alloc == NULL) {
+        o.alloc = bvxi_heap_alloc;
+        o.free = bvxi_heap_free;
+    }
+    c = o.arena != NULL ? place_in_arena(o.arena, o.arena_size, &arena)
+                        : o.alloc(o.alloc_user, sizeof *c, BVXI_ALIGN);
+    if (c == NULL) return BVX_ERR_MEMORY;
+    memset(c, 0, sizeof *c);
+    c->alloc = o.alloc;
+    c->free = o.free;
+    c->alloc_user = o.alloc_user;
+    c->arena = arena;
+    c->memory_limit = o.memory_limit;
+    c->parallel = o.parallel;
+    c->parallel_user = o.parallel_user;
+    c->progress = o.progress;
+    c->progress_user = o.progress_user;
+    c->threads = choose_threads(&o);
+    c->cpu = choose_cpu(o.cpu);
+    *context = c;
+    return BVX_OK;
+}
+
+void bvx_context_destroy(bvx_context *context)
+{
+    if (context == NULL || context->arena.memory != NULL) return;
+    context->free(context->alloc_user, context, sizeof *context, BVXI_ALIGN);
+}
+
+int32_t bvx_context_threads(const bvx_context *context)
+{
+    return context == NULL ? 0 : context->threads;
+}
+
+int32_t bvx_context_cpu(const bvx_context *context)
+{
+    return context == NULL ? BVX_CPU_PORTABLE : context->cpu;
+}

@@ -1,0 +1,127 @@
+/* core.h - what every room stands on: context, memory, messages, parallel work, progress. Not installed. */
+#ifndef BVXI_CORE_H
+#define BVXI_CORE_H
+
+#include "bitvox.h"
+
+#include <string.h>
+
+#if defined(__GNUC__)
+#define BVXI_COLD __attribute__((cold, noinline))
+#define BVXI_LIKELY(x) __builtin_expect(!!(x), 1)
+#define BVXI_UNLIKELY(x) __builtin_expect(!!(x), 0)
+#define BVXI_RESTRICT __restrict__
+#else
+#define BVXI_COLD
+#define BVXI_LIKELY(x) (x)
+#define BVXI_UNLIKELY(x) (x)
+#define BVXI_RESTRICT
+#endif
+
+/* Loops over arrays that compilers turn into vector code; copied into one function a processor level. */
+#if defined(__GNUC__)
+#define BVXI_VECTOR_INLINE static inline __attribute__((always_inline))
+#else
+#define BVXI_VECTOR_INLINE static inline
+#endif
+#if defined(__GNUC__) && defined(__x86_64__)
+#define BVXI_HAVE_AVX2 1
+#define BVXI_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))
+#else
+#define BVXI_HAVE_AVX2 0
+#define BVXI_AVX2
+#endif
+
+#if defined(__FAST_MATH__)
+#error "bitvox keeps its promises only without fast-math"
+#endif
+
+enum { BVXI_ALIGN = 64, BVXI_MAX_THREADS = 1024, BVXI_MESSAGE_SIZE = 512 };
+
+/* Which end of an arena a block comes from: results live on, scratch goes before the stage ends. */
+enum { BVXI_RESULT = 0, BVXI_SCRATCH = 1 };
+
+/* Leave the function with a status when a call fails. */
+#define BVXI_TRY(call)                               \
+    do {                                             \
+        bvx_status const bvxi_status_ = (call);      \
+        if (bvxi_status_ != BVX_OK) return bvxi_status_; \
+    } while (0)
+
+/* ---- memory.c ---- */
+
+/* *block becomes size bytes aligned to 64, unspecified contents (never NULL on success, also for size 0).
+ * what names the block in the message. */
+bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block);
+bvx_status bvxi_alloc_zero(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block);
+/* Takes back a block of bvxi_alloc with its size; NULL is allowed. */
+void bvxi_free(bvx_context *ctx, void *block, uint64_t size);
+/* Move a block to another size; *block changes, the contents stay as far as both sizes go. */
+bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size, const char *what);
+
+/* ---- message.c ---- */
+
+/* Keep a message and return the status. Formats: %s text, %d int64_t (cast it), %u uint64_t (cast it), %g double, %%. */
+BVXI_COLD bvx_status bvxi_fail(bvx_context *ctx, bvx_status status, const char *format, ...);
+/* The usual refusals, so that they read the same everywhere. */
+BVXI_COLD bvx_status bvxi_fail_null(bvx_context *ctx, const char *function, const char *argument);
+
+/* ---- decimal.c: correctly rounded, locale-free ---- */
+
+/* Shortest decimal that reads back as value; writes at most 32 bytes, ends with 0, returns the length. */
+int32_t bvxi_print_double(double value, char *text);
+int32_t bvxi_print_float(float value, char *text);
+/* Read a decimal number at text (not beyond end): sign, digits, point, exponent, inf, nan (any case).
+ * Returns the bytes used, 0 when there is no number. Overflow gives infinity. */
+size_t bvxi_parse_double(const char *text, const char *end, double *value);
+size_t bvxi_parse_float(const char *text, const char *end, float *value);
+
+/* ---- parallel.c ---- */
+
+/* Run count tasks. stage names them for progress; their share of the stage's progress is [from, to].
+ * Progress is asked between batches on the calling thread. Returns BVX_OK or BVX_CANCELLED. */
+bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
+                         bvx_task_fn *task, void *user);
+/* Report progress; BVX_CANCELLED when the caller wants to stop. */
+bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction);
+int32_t bvxi_threads(const bvx_context *ctx);
+/* BVX_CPU_PORTABLE or the fast path that may run. */
+int32_t bvxi_cpu(const bvx_context *ctx);
+
+/* Piece i of n of a range of count items: [*begin, *end). */
+static inline void bvxi_piece(uint64_t count, int32_t n, int32_t i, uint64_t *begin, uint64_t *end)
+{
+    uint64_t const base = count / (uint64_t)n, rest = count % (uint64_t)n;
+    uint64_t const u = (uint64_t)i;
+    *begin = base * u + (u < rest ? u : rest);
+    *end = *begin + base + (u < rest ? 1 : 0);
+}
+
+/* Pieces for work over count items, at least grain items each; from the shape alone, not from the threads. */
+static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
+{
+    uint64_t const pieces = count / grain;
+    return pieces < 1 ? 1 : pieces > 256 ? 256 : (int32_t)pieces;
+}
+
+/* ---- options.c: options of callers older or newer than the library ---- */
+
+/* Copy the caller's options over the defaults already in *options. Refuses a struct_size that is no size. */
+bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options, size_t size);
+/* Fill *options of the caller's size from the defaults. */
+void bvxi_give_options(void *options, size_t size, const void *defaults, size_t default_size);
+
+/* a * b and a + b; 0 in *ok when they do not fit 64 bits. */
+static inline uint64_t bvxi_mul(uint64_t a, uint64_t b, int *ok)
+{
+    if (b != 0 && a > UINT64_MAX / b) *ok = 0;
+    return a * b;
+}
+
+static inline uint64_t bvxi_add(uint64_t a, uint64_t b, int *ok)
+{
+    if (a > UINT64_MAX - b) *ok = 0;
+    return a + b;
+}
+
+#endif

@@ -1,0 +1,136 @@
+/* memory.c - every byte of the library: allocator, arena, limit and peak.
+ *
+ * The arena takes results from its low end and scratch from its high end. Each block has a header with its size and
+ * whether it is free; a free block at an end is popped, with all free blocks behind it, so any order of freeing
+ * comes back to an empty arena. */
+#include "context.h"
+
+typedef struct block_header {
+    size_t payload;  /* bytes of the block, rounded up to the alignment */
+    size_t previous; /* payload of the neighbour towards the arena's end that this block grew from */
+    size_t is_free;
+    unsigned char fill[BVXI_ALIGN - 3 * sizeof(size_t)];
+} block_header;
+
+static block_header *header_at(const bvxi_arena *a, size_t offset)
+{
+    return (block_header *)(void *)(a->memory + offset);
+}
+
+void *bvxi_arena_alloc(bvxi_arena *a, int kind, size_t size)
+{
+    size_t const gap = a->high - a->low;
+    if (size > gap || gap - size < 2 * BVXI_ALIGN) return NULL;
+    size_t const payload = (size + BVXI_ALIGN - 1) / BVXI_ALIGN * BVXI_ALIGN;
+    size_t const total = payload + BVXI_ALIGN;
+    size_t offset;
+    if (total > gap) return NULL;
+    if (kind == BVXI_RESULT) {
+        offset = a->low; /* results: header below the payload, linked by the previous payload's size */
+        header_at(a, offset)->payload = payload;
+        header_at(a, offset)->is_free = 0;
+        header_at(a, offset)->previous = a->low == 0 ? 0 : *(size_t *)(void *)(a->memory + a->size);
+        *(size_t *)(void *)(a->memory + a->size) = total;
+        a->low += total;
+    } else {
+        a->high -= total;
+        offset = a->high;
+        header_at(a, offset)->payload = payload;
+        header_at(a, offset)->is_free = 0;
+        header_at(a, offset)->previous = 0;
+    }
+    return a->memory + offset + BVXI_ALIGN;
+}
+
+static void pop_results(bvxi_arena *a)
+{
+    size_t *const last = (size_t *)(void *)(a->memory + a->size); /* total size of the uppermost result */
+    while (a->low > 0 && header_at(a, a->low - *last)->is_free) {
+        a->low -= *last;
+        *last = header_at(a, a->low)->previous;
+    }
+}
+
+static void pop_scratch(bvxi_arena *a)
+{
+    while (a->high < a->size && header_at(a, a->high)->is_free) a->high += header_at(a, a->high)->payload + BVXI_ALIGN;
+}
+
+void bvxi_arena_free(bvxi_arena *a, void *block)
+{
+    header_at(a, (size_t)((unsigned char *)block - a->memory) - BVXI_ALIGN)->is_free = 1;
+    pop_results(a);
+    pop_scratch(a);
+}
+
+/* ---- through the context ---- */
+
+bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block)
+{
+    uint64_t const want = size == 0 ? 1 : size;
+    void *p;
+    if (want > SIZE_MAX - BVXI_ALIGN || (ctx->memory_limit != 0 && (want > ctx->memory_limit ||
+                                                      ctx->memory_used > ctx->memory_limit - want)))
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s would take %u bytes; %u are in use and the limit is %u", what, want,
+                         ctx->memory_used, ctx->memory_limit != 0 ? ctx->memory_limit : (uint64_t)SIZE_MAX);
+    p = ctx->arena.memory != NULL ? bvxi_arena_alloc(&ctx->arena, kind, (size_t)want)
+                                  : ctx->alloc(ctx->alloc_user, (size_t)want, BVXI_ALIGN);
+    if (p == NULL)
+        return bvxi_fail(ctx, BVX_ERR_MEMORY, "%s: no memory for %u bytes, %u are in use", what, want, ctx->memory_used);
+    ctx->memory_used += want;
+    if (ctx->memory_used > ctx->memory_peak) ctx->memory_peak = ctx->memory_used;
+    memcpy(block, &p, sizeof p);
+    return BVX_OK;
+}
+
+bvx_status bvxi_alloc_zero(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block)
+{
+    void *p = NULL;
+    BVXI_TRY(bvxi_alloc(ctx, kind, size, what, &p));
+    memset(p, 0, (size_t)size);
+    memcpy(block, &p, sizeof p);
+    return BVX_OK;
+}
+
+void bvxi_free(bvx_context *ctx, void *block, uint64_t size)
+{
+    uint64_t const had = size == 0 ? 1 : size;
+    if (block == NULL) return;
+    ctx->memory_used -= had < ctx->memory_used ? had : ctx->memory_used; /* another context's block may come back here */
+    if (ctx->arena.memory != NULL) bvxi_arena_free(&ctx->arena, block);
+    else ctx->free(ctx->alloc_user, block, (size_t)had, BVXI_ALIGN);
+}
+
+bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size, const char *what)
+{
+    void *old, *moved = NULL;
+    if (size == new_size) return BVX_OK;
+    memcpy(&old, block, sizeof old);
+    BVXI_TRY(bvxi_alloc(ctx, kind, new_size, what, &moved));
+    memcpy(moved, old, (size_t)(size < new_size ? size : new_size));
+    bvxi_free(ctx, old, size);
+    memcpy(block, &moved, sizeof moved);
+    return BVX_OK;
+}
+
+void bvx_buffer_free(bvx_context *context, bvx_buffer *buffer)
+{
+    if (context == NULL || buffer == NULL) return;
+    bvxi_free(context, buffer->bytes, buffer->capacity);
+    memset(buffer, 0, sizeof *buffer);
+}
+
+uint64_t bvx_memory_used(const bvx_context *context)
+{
+    return context == NULL ? 0 : context->memory_used;
+}
+
+uint64_t bvx_memory_peak(const bvx_context *context)
+{
+    return context == NULL ? 0 : context->memory_peak;
+}
+
+void bvx_memory_reset_peak(bvx_context *context)
+{
+    if (context != NULL) context->memory_peak = context->memory_used;
+}

@@ -1,0 +1,17 @@
+/* status.c - statuses, their texts and the version. */
+#include "core.h"
+
+const char *bvx_status_text(bvx_status status)
+{
+    switch (status) {
+#define BVXI_STATUS_TEXT(name, value, text) case value: return text;
+        BVX_STATUS_LIST(BVXI_STATUS_TEXT)
+#undef BVXI_STATUS_TEXT
+    default: return "unknown status";
+    }
+}
+
+int32_t bvx_version(void)
+{
+    return BVX_VERSION;
+}
