@@ -1,0 +1,39 @@
+/* sort.h - short rows of crossings in order: insertion for the usual few, a heap where a row is crowded, so that no
+ * input makes it quadratic. Not installed. */
+#ifndef BVXI_SORT_H
+#define BVXI_SORT_H
+
+#include "core/core.h"
+
+static inline void bvxi_sift_down(int32_t *v, uint32_t root, uint32_t n)
+{
+    int32_t const x = v[root];
+    for (uint32_t child; (child = 2 * root + 1) < n; root = child) {
+        if (child + 1 < n && v[child + 1] > v[child]) child++;
+        if (v[child] <= x) break;
+        v[root] = v[child];
+    }
+    v[root] = x;
+}
+
+static inline void bvxi_sort_i32(int32_t *v, uint32_t n)
+{
+    if (n > 48) {
+        for (uint32_t i = n / 2; i-- > 0;) bvxi_sift_down(v, i, n);
+        for (uint32_t i = n; i-- > 1;) {
+            int32_t const top = v[0];
+            v[0] = v[i];
+            v[i] = top;
+            bvxi_sift_down(v, 0, i);
+        }
+        return;
+    }
+    for (uint32_t i = 1; i < n; i++) {
+        int32_t const x = v[i];
+        uint32_t j = i;
+        for (; j > 0 && v[j - 1] > x; j--) v[j] = v[j - 1];
+        v[j] = x;
+    }
+}
+
+#endif

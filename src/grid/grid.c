@@ -1,0 +1,113 @@
+/* grid.c - bit grids made, freed, counted and hashed. */
+#include "grid/grid.h"
+#include "core/hash.h"
+
+uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window)
+{
+    static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
+    uint64_t rows = 1;
+    int ok = 1, whole;
+    int32_t size[3];
+    if (lattice == NULL) return 0;
+    whole = window == NULL || memcmp(window, &none, sizeof none) == 0;
+    for (int32_t a = 0; a < 3; a++) {
+        size[a] = whole ? lattice->dims[a] : window->size[a];
+        if (size[a] < 1 || size[a] > lattice->dims[a]) return 0;
+        if (!whole && (window->low[a] < 0 || window->low[a] > lattice->dims[a] - size[a])) return 0;
+    }
+    rows = bvxi_mul((uint64_t)size[1], (uint64_t)size[2], &ok);
+    rows = bvxi_mul(rows, (uint64_t)bvxi_row_words(size[0]), &ok);
+    return ok && rows <= UINT64_MAX / 8 ? rows : 0;
+}
+
+bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice, const bvx_window *window,
+                          bvx_grid *grid)
+{
+    uint64_t const words = bvx_grid_bound(lattice, window);
+    bvx_grid g = *grid;
+    if (words == 0) return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the grid's size does not fit 64 bits", function);
+    if (g.words != NULL && g.word_capacity < words)
+        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the grid needs %u words, the array given holds %u", function, words,
+                         g.word_capacity);
+    if (g.words == NULL) {
+        if (words > SIZE_MAX / 8)
+            return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: a grid of %u words is beyond this machine's addresses", function, words);
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, words * 8, "the grid", &g.words));
+        g.word_capacity = words;
+        g.owned = 1;
+    }
+    g.lattice = *lattice;
+    memcpy(g.low, window->low, sizeof g.low);
+    memcpy(g.size, window->size, sizeof g.size);
+    g.words_per_row = bvxi_row_words(window->size[0]);
+    memset(g.reserved, 0, sizeof g.reserved);
+    *grid = g;
+    return BVX_OK;
+}
+
+bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window, bvx_grid *grid)
+{
+    bvx_window w;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (grid == NULL) return bvxi_fail_null(context, "bvx_grid_create", "grid");
+    BVXI_TRY(bvxi_lattice_check(context, "bvx_grid_create", lattice));
+    BVXI_TRY(bvxi_window_take(context, "bvx_grid_create", lattice, window, &w));
+    BVXI_TRY(bvxi_grid_open(context, "bvx_grid_create", lattice, &w, grid));
+    memset(grid->words, 0, (size_t)bvxi_grid_words(grid) * 8);
+    return BVX_OK;
+}
+
+void bvx_grid_free(bvx_context *context, bvx_grid *grid)
+{
+    if (context == NULL || grid == NULL) return;
+    if (grid->owned) bvxi_free(context, grid->words, grid->word_capacity * 8);
+    memset(grid, 0, sizeof *grid);
+}
+
+bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_grid *grid)
+{
+    bvx_window window, unused;
+    if (grid == NULL) return bvxi_fail_null(ctx, function, "grid");
+    if (grid->words == NULL) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has no words", function);
+    BVXI_TRY(bvxi_lattice_check(ctx, function, &grid->lattice));
+    memcpy(window.low, grid->low, sizeof window.low);
+    memcpy(window.size, grid->size, sizeof window.size);
+    BVXI_TRY(bvxi_window_take(ctx, function, &grid->lattice, &window, &unused));
+    if (grid->words_per_row != bvxi_row_words(grid->size[0]))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has %d words per row, %d voxels need %d", function,
+                         (int64_t)grid->words_per_row, (int64_t)grid->size[0], (int64_t)bvxi_row_words(grid->size[0]));
+    if (grid->word_capacity < bvx_grid_bound(&grid->lattice, &window))
+        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the grid's array holds %u words, its size needs %u", function,
+                         grid->word_capacity, bvx_grid_bound(&grid->lattice, &window));
+    return BVX_OK;
+}
+
+bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count)
+{
+    uint64_t n = 0, words;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (count == NULL) return bvxi_fail_null(context, "bvx_grid_count", "count");
+    BVXI_TRY(bvxi_grid_check(context, "bvx_grid_count", grid));
+    words = bvxi_grid_words(grid);
+    for (uint64_t i = 0; i < words; i++) n += bvxi_popcount(grid->words[i]);
+    *count = n;
+    return BVX_OK;
+}
+
+bvx_status bvx_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *hash)
+{
+    bvxi_hash h;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (hash == NULL) return bvxi_fail_null(context, "bvx_grid_hash", "hash");
+    BVXI_TRY(bvxi_grid_check(context, "bvx_grid_hash", grid));
+    bvxi_hash_start(&h, 0);
+    bvxi_hash_i32(&h, grid->low, 3);
+    bvxi_hash_i32(&h, grid->size, 3);
+    bvxi_hash_i32(&h, grid->lattice.dims, 3);
+    bvxi_hash_i32(&h, &grid->lattice.fraction_bits, 1);
+    bvxi_hash_f64(&h, grid->lattice.origin, 3);
+    bvxi_hash_f64(&h, grid->lattice.spacing, 3);
+    bvxi_hash_u64(&h, grid->words, (size_t)bvxi_grid_words(grid));
+    *hash = bvxi_hash_end(&h);
+    return BVX_OK;
+}

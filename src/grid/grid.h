@@ -1,0 +1,24 @@
+/* grid.h - grids checked and walked. Not installed. */
+#ifndef BVXI_GRID_H
+#define BVXI_GRID_H
+
+#include "bits/bits.h"
+#include "lattice/lattice.h"
+
+/* Refuse a grid that is none, naming the field. */
+bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_grid *grid);
+/* Set up a grid's struct over new or the caller's words, contents unspecified; *grid is changed only on success. */
+bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice, const bvx_window *window,
+                          bvx_grid *grid);
+
+static inline uint64_t bvxi_grid_rows(const bvx_grid *grid)
+{
+    return (uint64_t)grid->size[1] * (uint64_t)grid->size[2];
+}
+
+static inline uint64_t bvxi_grid_words(const bvx_grid *grid)
+{
+    return bvxi_grid_rows(grid) * (uint64_t)grid->words_per_row;
+}
+
+#endif

@@ -1,0 +1,94 @@
+/* fit.c - a lattice around a mesh.
+ *
+ * Low-aligned: the mesh's bounds begin on the low corner of the first voxel behind the padding. dims are the least
+ * count that covers the bounds; an excess below 2^-40 of the extent is the rounding of the division, holds no
+ * centre, and does not cost a layer of voxels. */
+#include "lattice/lattice.h"
+#include "mesh/view.h"
+
+#include <math.h>
+
+static const bvx_lattice_options lattice_defaults = {0};
+
+void bvx_lattice_options_init(bvx_lattice_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &lattice_defaults, sizeof lattice_defaults);
+}
+
+static bvx_status check_fit_options(bvx_context *ctx, const char *function, const bvx_lattice_options *o, int32_t *per_axis,
+                                    int32_t *by_spacing)
+{
+    *per_axis = o->axis_resolution[0] != 0 || o->axis_resolution[1] != 0 || o->axis_resolution[2] != 0;
+    *by_spacing = o->spacing[0] != 0 || o->spacing[1] != 0 || o->spacing[2] != 0;
+    if ((o->resolution != 0) + *per_axis + *by_spacing != 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolution, axis_resolution and spacing", function);
+    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is %d, not 0", function, (int64_t)o->reserved);
+    if (o->padding < 0 || o->padding > 65536)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: padding %d is outside 0 to 65536", function, (int64_t)o->padding);
+    for (int32_t a = 0; a < 3; a++) {
+        int32_t const n = *per_axis ? o->axis_resolution[a] : *by_spacing ? 1 : o->resolution;
+        if (n < 1 || n > BVXI_MAX_SIDE)
+            return bvxi_fail(ctx, n < 1 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE, "%s: resolution %d is outside 1 to %d", function,
+                             (int64_t)n, (int64_t)BVXI_MAX_SIDE);
+        if (*by_spacing && !(o->spacing[a] > 0 && o->spacing[a] - o->spacing[a] == 0.0))
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: spacing %g must be above 0 and finite", function, o->spacing[a]);
+    }
+    return BVX_OK;
+}
+
+static double least_cover(double extent, double spacing)
+{
+    double const n = extent / spacing;
+    double const whole = -floor(n * (1.0 / 1099511627776.0) - n);
+    return whole < 1 ? 1 : whole;
+}
+
+bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice_options *options,
+                                bvx_lattice *lattice)
+{
+    static const char name[] = "bvx_lattice_fit";
+    bvx_lattice_options o = lattice_defaults;
+    int32_t per_axis, by_spacing, longest = 0, dims[3];
+    double low[3], high[3], extent[3], spacing[3], origin[3];
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (lattice == NULL) return bvxi_fail_null(context, name, "lattice");
+    BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
+    BVXI_TRY(check_fit_options(context, name, &o, &per_axis, &by_spacing));
+    BVXI_TRY(bvxi_view_check(context, name, mesh));
+    BVXI_TRY(bvxi_view_bounds(context, name, mesh, low, high));
+    for (int32_t a = 0; a < 3; a++) {
+        extent[a] = high[a] - low[a];
+        if (extent[a] > extent[longest]) longest = a;
+    }
+    if (!by_spacing && !(extent[longest] > 0))
+        return bvxi_fail(context, BVX_ERR_EMPTY, "%s: all vertices lie at one point, so a resolution gives no spacing", name);
+    if (!(extent[longest] - extent[longest] == 0.0))
+        return bvxi_fail(context, BVX_ERR_RANGE, "%s: the mesh's extent is too large for a double", name);
+    for (int32_t a = 0; a < 3; a++) {
+        double n;
+        if (per_axis) {
+            spacing[a] = (extent[a] > 0 ? extent[a] : extent[longest]) / o.axis_resolution[a];
+            n = o.axis_resolution[a];
+        } else {
+            spacing[a] = by_spacing ? o.spacing[a] : extent[longest] / o.resolution;
+            n = !by_spacing && a == longest ? o.resolution : least_cover(extent[a], spacing[a]);
+        }
+        if (!(n + 2.0 * o.padding <= BVXI_MAX_SIDE))
+            return bvxi_fail(context, BVX_ERR_RANGE, "%s: spacing %g needs %g voxels; %d along an axis are possible", name,
+                             spacing[a], n + 2.0 * o.padding, (int64_t)BVXI_MAX_SIDE);
+        dims[a] = (int32_t)n + 2 * o.padding;
+        origin[a] = low[a] - o.padding * spacing[a];
+    }
+    return bvx_lattice_make(context, origin, spacing, dims, lattice);
+}
+
+bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution, bvx_lattice *lattice)
+{
+    bvx_lattice_options o = lattice_defaults;
+    o.struct_size = sizeof o;
+    o.resolution = resolution;
+    if (context != NULL && resolution < 1)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,
+                         (int64_t)BVXI_MAX_SIDE);
+    return bvx_lattice_fit_with(context, mesh, &o, lattice);
+}
