@@ -1,0 +1,137 @@
+/* check.c - the certificate of a mesh.
+ *
+ * Vertices are welded where asked, triangles with three different vertices kept; topology.c counts what can be told
+ * from their numbers, the sums over positions are taken here, in triangle order, so they are the same everywhere. */
+#include "mesh/facet.h"
+#include "mesh/scale.h"
+#include "mesh/topology.h"
+#include "mesh/view.h"
+#include "mesh/weld.h"
+
+typedef struct checker {
+    const bvx_mesh_view *view;
+    uint32_t *renumber;    /* vertex -> number of its position, when welded [Size: vertices of the view] */
+    uint64_t vertex_count; /* after welding */
+    uint32_t *corners;     /* of the triangles that count [Size: triangles of the view * 3] */
+    uint64_t triangle_count;
+    bvx_certificate result;
+} checker;
+
+/* Representatives become numbers without gaps, in their order. */
+static bvx_status weld_and_renumber(bvx_context *ctx, checker *c)
+{
+    uint32_t next = 0;
+    BVXI_TRY(bvxi_weld(ctx, c->view, c->renumber, &c->vertex_count));
+    for (uint64_t v = 0; v < c->view->vertex_count; v++) {
+        uint32_t const r = c->renumber[v]; /* at most v, so an earlier one is renumbered already */
+        c->renumber[v] = r == v ? next++ : c->renumber[r];
+    }
+    return BVX_OK;
+}
+
+/* Keep the triangles with three different vertices, after welding; their bounds, area, and volume about the centre of
+ * the bounds low and high. */
+static void collect_triangles(checker *c, const double low[3], const double high[3])
+{
+    bvx_certificate *const r = &c->result;
+    double const scale = bvxi_unit_scale(low, high), back = 1.0 / scale;
+    double centre[3], p[3][3], n[3], least[3], most[3], volume = 0.0, area = 0.0;
+    uint32_t raw[3], *to = c->corners;
+    for (int a = 0; a < 3; a++) {
+        centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
+        least[a] = high[a];
+        most[a] = low[a];
+    }
+    r->degenerate = 0;
+    for (uint64_t t = 0; t < c->view->triangle_count; t++) {
+        bvxi_view_triangle(c->view, t, raw);
+        for (int k = 0; k < 3; k++) to[k] = c->renumber != NULL ? c->renumber[raw[k]] : raw[k];
+        if (to[0] == to[1] || to[1] == to[2] || to[2] == to[0]) continue;
+        to += 3;
+        for (int k = 0; k < 3; k++) {
+            bvxi_view_position(c->view, raw[k], p[k]);
+            for (int a = 0; a < 3; a++) {
+                least[a] = p[k][a] < least[a] ? p[k][a] : least[a];
+                most[a] = p[k][a] > most[a] ? p[k][a] : most[a];
+                p[k][a] *= scale;
+            }
+        }
+        double const twice = bvxi_facet_normal((const double(*)[3])p, n);
+        r->degenerate += twice == 0.0;
+        area += twice;
+        volume += (p[0][0] - centre[0]) * n[0] + (p[0][1] - centre[1]) * n[1] + (p[0][2] - centre[2]) * n[2];
+    }
+    c->triangle_count = (uint64_t)(to - c->corners) / 3;
+    r->triangles = c->triangle_count;
+    r->collapsed = c->view->triangle_count - c->triangle_count;
+    r->area = area * 0.5 * back * back;
+    r->volume = volume / 6.0 * back * back * back + 0.0;
+    for (int a = 0; a < 3; a++) {
+        r->low[a] = r->triangles != 0 ? least[a] + 0.0 : 0.0;
+        r->high[a] = r->triangles != 0 ? most[a] + 0.0 : 0.0;
+    }
+}
+
+static int check_same_bounds(const bvx_certificate *r, const double low[3], const double high[3])
+{
+    return r->low[0] == low[0] && r->low[1] == low[1] && r->low[2] == low[2] && r->high[0] == high[0] &&
+           r->high[1] == high[1] && r->high[2] == high[2];
+}
+
+static bvx_status weld_vertices(bvx_context *ctx, checker *c, int weld)
+{
+    c->vertex_count = c->view->vertex_count;
+    if (!weld) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->view->vertex_count * 4, "the check's welding", &c->renumber));
+    return weld_and_renumber(ctx, c);
+}
+
+static void free_renumber(bvx_context *ctx, checker *c)
+{
+    bvxi_free(ctx, c->renumber, c->view->vertex_count * 4);
+    c->renumber = NULL;
+}
+
+/* low and high are the bounds of all triangles, also those that do not count. */
+static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const double low[3], const double high[3])
+{
+    double kept_low[3], kept_high[3];
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->view->triangle_count * 12, "the check's corners", &c->corners));
+    BVXI_TRY(weld_vertices(ctx, c, weld));
+    collect_triangles(c, low, high);
+    if (c->triangle_count != 0 && !check_same_bounds(&c->result, low, high)) { /* once more about the right centre */
+        memcpy(kept_low, c->result.low, sizeof kept_low);
+        memcpy(kept_high, c->result.high, sizeof kept_high);
+        collect_triangles(c, kept_low, kept_high);
+    }
+    free_renumber(ctx, c);
+    if (c->triangle_count != 0) return bvxi_topology(ctx, c->corners, c->triangle_count, c->vertex_count, &c->result);
+    c->result.unused_vertices = c->vertex_count;
+    return BVX_OK;
+}
+
+bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld, bvx_certificate *certificate)
+{
+    static const char *const function = "bvx_mesh_check";
+    checker c;
+    double low[3], high[3];
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (certificate == NULL) return bvxi_fail_null(context, function, "certificate");
+    memset(certificate, 0, sizeof *certificate);
+    memset(&c, 0, sizeof c);
+    c.view = mesh;
+    BVXI_TRY(bvxi_view_check(context, function, mesh));
+    if (weld != 0 && weld != 1)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: weld is %d, not 0 or 1", function, (int64_t)weld);
+    if (mesh->triangle_count > UINT32_MAX / 3)
+        return bvxi_fail(context, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit of a check is %u", function,
+                         mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
+    if (mesh->triangle_count == 0) return BVX_OK; /* all zero */
+    BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));
+    status = check_whole_mesh(context, &c, weld, low, high);
+    free_renumber(context, &c);
+    bvxi_free(context, c.corners, mesh->triangle_count * 12);
+    if (status == BVX_OK) *certificate = c.result;
+    return status;
+}

@@ -1,0 +1,71 @@
+/* closest.h - the point of a mesh that is closest to a given point. Not installed. */
+#ifndef BVXI_CLOSEST_H
+#define BVXI_CLOSEST_H
+
+#include "core/core.h"
+
+enum { BVXI_CLOSEST_WIDTH = 4, BVXI_CLOSEST_LEVELS = 16 }; /* 4^16 = 2^32 triangles */
+
+/* Boxes of four children side by side, in the tree's own units. */
+typedef struct bvxi_closest_node {
+    float low[3][BVXI_CLOSEST_WIDTH], high[3][BVXI_CLOSEST_WIDTH];
+} bvxi_closest_node;
+
+/* A full tree with four children a node over triangles in the order of a curve through space, each with a copy of its
+ * corners. Read-only once built, so many threads may ask at the same time. */
+typedef struct bvxi_closest_tree {
+    uint64_t triangle_count;
+    uint32_t *order;          /* place on the curve -> triangle number [Size: triangle_count] */
+    void *corners;            /* of the triangle at each place, typed as in the mesh [Size: triangle_count * 9] */
+    bvxi_closest_node *nodes; /* levels one behind the other, the lowest (children are triangles) first */
+    uint64_t node_count;
+    uint64_t level_first[BVXI_CLOSEST_LEVELS], level_nodes[BVXI_CLOSEST_LEVELS];
+    int32_t level_count;
+    int32_t position_type;
+    double scale;     /* exact power of two by which all coordinates are multiplied */
+    double centre[3]; /* of the bounds, scaled */
+    double box_scale; /* scaled and centred -> box units, in which the mesh lies within [-1, 1] */
+} bvxi_closest_tree;
+
+typedef struct bvxi_closest {
+    double point[3];   /* the closest point [Units: world times scale] */
+    double distance2;  /* square of the distance [Units: (world times scale)^2] */
+    uint32_t triangle; /* the least number among the triangles at that distance */
+    uint32_t place;    /* of that triangle on the curve */
+} bvxi_closest;
+
+/* Build over a checked view with at least one triangle; low and high are its bounds, scale is the power of two by which
+ * coordinates are multiplied (see bvxi_unit_scale), stage, from and to are for progress.
+ * Memory: 72 bytes a triangle of floats, 108 of doubles, no more while it is built. */
+bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to, const bvx_mesh_view *view,
+                              const double low[3], const double high[3], double scale, bvxi_closest_tree *tree);
+void bvxi_closest_free(bvx_context *ctx, bvxi_closest_tree *tree);
+
+/* The least (distance2, triangle) over all triangles, as bvxi_closest_on_triangle computes them: the tree never shows.
+ * point is finite [Units: world times scale]; hint is any place on the curve, best one that is near. */
+void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uint32_t hint, bvxi_closest *found);
+
+/* Square of the distance from p to triangle t, and the closest point q. Any triangle, also without area. */
+double bvxi_closest_on_triangle(const double p[3], const double t[3][3], double q[3]);
+
+/* How many of the slots of a node that begin at first are among count. */
+static inline int bvxi_closest_children(uint64_t count, uint64_t first)
+{
+    return count - first < BVXI_CLOSEST_WIDTH ? (int)(count - first) : BVXI_CLOSEST_WIDTH;
+}
+
+/* Corners of the triangle at a place of the curve, scaled. */
+static inline void bvxi_closest_corners(const bvxi_closest_tree *tree, uint64_t place, double t[3][3])
+{
+    if (tree->position_type == BVX_F32) {
+        const float *const f = (const float *)tree->corners + 9 * (size_t)place;
+        for (int k = 0; k < 3; k++)
+            for (int a = 0; a < 3; a++) t[k][a] = (double)f[3 * k + a] * tree->scale;
+    } else {
+        const double *const f = (const double *)tree->corners + 9 * (size_t)place;
+        for (int k = 0; k < 3; k++)
+            for (int a = 0; a < 3; a++) t[k][a] = f[3 * k + a] * tree->scale;
+    }
+}
+
+#endif

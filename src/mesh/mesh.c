@@ -1,0 +1,76 @@
+/* mesh.c - the plain mesh struct: freed, viewed, hashed. */
+#include "core/core.h"
+#include "core/hash.h"
+
+static uint64_t mesh_position_bytes(int32_t type)
+{
+    return type == BVX_F64 ? 24 : 12;
+}
+
+void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh)
+{
+    if (context == NULL || mesh == NULL) return;
+    if (mesh->owned) { /* in the reverse order of their making, which an arena likes */
+        bvxi_free(context, mesh->triangle_keys, mesh->triangle_capacity * 8);
+        bvxi_free(context, mesh->vertex_keys, mesh->vertex_capacity * 8);
+        bvxi_free(context, mesh->triangles, mesh->triangle_capacity * 12);
+        bvxi_free(context, mesh->positions, mesh->vertex_capacity * mesh_position_bytes(mesh->position_type));
+    }
+    memset(mesh, 0, sizeof *mesh);
+}
+
+void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view)
+{
+    if (view == NULL) return;
+    memset(view, 0, sizeof *view);
+    if (mesh == NULL) return;
+    view->positions = mesh->positions;
+    view->indices = mesh->triangles;
+    view->vertex_count = mesh->vertex_count;
+    view->triangle_count = mesh->triangle_count;
+    view->position_type = mesh->position_type == BVX_F64 ? BVX_F64 : BVX_F32; /* an empty struct is a valid view */
+    view->index_type = BVX_U32;
+}
+
+static bvx_status check_mesh_struct(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
+{
+    int const empty = mesh->vertex_count == 0 && mesh->triangle_count == 0;
+    if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 && !(empty && mesh->position_type == 0))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)",
+                         function, (int64_t)mesh->position_type);
+    if (mesh->vertex_count > UINT32_MAX || mesh->triangle_count > INT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the mesh has %u vertices and %u triangles, limits are 2^32 and 2^31",
+                         function, mesh->vertex_count, mesh->triangle_count);
+    if (mesh->vertex_count != 0 && mesh->positions == NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.positions is NULL with a vertex_count of %u", function,
+                         mesh->vertex_count);
+    if (mesh->triangle_count != 0 && mesh->triangles == NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u", function,
+                         mesh->triangle_count);
+    return BVX_OK;
+}
+
+bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash)
+{
+    static const char *const function = "bvx_mesh_hash";
+    bvxi_hash h;
+    int32_t type[2] = {0, 0};
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
+    if (hash == NULL) return bvxi_fail_null(context, function, "hash");
+    BVXI_TRY(check_mesh_struct(context, function, mesh));
+    type[0] = mesh->position_type;
+
+    bvxi_hash_start(&h, 0);
+    bvxi_hash_i32(&h, type, 2);
+    bvxi_hash_u64(&h, &mesh->vertex_count, 1);
+    bvxi_hash_u64(&h, &mesh->triangle_count, 1);
+    bvxi_hash_f64(&h, mesh->frame, 3);
+    bvxi_hash_start(&h, bvxi_hash_end(&h));
+    if (mesh->position_type == BVX_F64) bvxi_hash_f64(&h, mesh->positions, (size_t)mesh->vertex_count * 3);
+    else bvxi_hash_f32(&h, mesh->positions, (size_t)mesh->vertex_count * 3);
+    bvxi_hash_start(&h, bvxi_hash_end(&h));
+    bvxi_hash_u32(&h, mesh->triangles, (size_t)mesh->triangle_count * 3);
+    *hash = bvxi_hash_end(&h);
+    return BVX_OK;
+}

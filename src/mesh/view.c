@@ -1,0 +1,293 @@
+/* view.c - is a caller's mesh well formed, and where does it lie.
+ *
+ * Bounds are those of the vertices that triangles use. Gathering three vertices a triangle is slow, so packed floats
+ * with packed 32-bit indices go another way: bounds of all vertices, in the order of memory, and with them the number
+ * of one vertex that touches each of the six sides. When the indices mention all six, these are the bounds of the
+ * used vertices too. When one is missing (unused vertices stick out) the plain loop, which is the specification,
+ * decides. */
+#include "mesh/view.h"
+
+bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bvx_mesh_view *view, uint64_t t)
+{
+    uint64_t c[3];
+    int k = 0;
+    bvxi_view_raw_triangle(view, t, c);
+    while (k < 2 && c[k] < view->vertex_count) k++;
+    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %u has vertex number %u, but there are %u vertices", function, t,
+                     c[k], view->vertex_count);
+}
+
+bvx_status bvxi_view_fail_finite(bvx_context *ctx, const char *function, const bvx_mesh_view *view, uint64_t vertex)
+{
+    static const char *const axis_name[3] = {"x", "y", "z"};
+    double p[3];
+    int k = 0;
+    bvxi_view_position(view, vertex, p);
+    while (k < 2 && p[k] - p[k] == 0.0) k++;
+    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: vertex %u has %s = %g, which is not finite", function, vertex,
+                     axis_name[k], p[k]);
+}
+
+static bvx_status check_view_positions(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
+{
+    uint32_t const least = v->position_type == BVX_F32 ? 12 : 24;
+    if (v->position_type != BVX_F32 && v->position_type != BVX_F64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.position_type is %u, not BVX_F32 (1) or BVX_F64 (2)",
+                         function, (uint64_t)v->position_type);
+    if (v->position_stride != 0 && v->position_stride < least)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.position_stride is %u, less than the %u bytes of a vertex",
+                         function, (uint64_t)v->position_stride, (uint64_t)least);
+    if (v->vertex_count > UINT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.vertex_count is %u, the limit is below 2^32", function,
+                         v->vertex_count);
+    if (v->positions == NULL && v->vertex_count != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.positions is NULL with a vertex_count of %u", function,
+                         v->vertex_count);
+    if (v->vertex_count * bvxi_view_position_stride(v) > SIZE_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.vertex_count is %u, more than memory can hold", function,
+                         v->vertex_count);
+    return BVX_OK;
+}
+
+static bvx_status check_view_indices(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
+{
+    if (v->triangle_count > INT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit is below 2^31", function,
+                         v->triangle_count);
+    if (v->indices == NULL) {
+        if (3 * v->triangle_count > v->vertex_count)
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.indices is NULL, so %u triangles need %u vertices, not %u",
+                             function, v->triangle_count, 3 * v->triangle_count, v->vertex_count);
+        return BVX_OK;
+    }
+    if (v->index_type < BVX_U16 || v->index_type > BVX_U64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.index_type is %u, not BVX_U16 (1), BVX_U32 (2) or BVX_U64 (3)", function,
+                         (uint64_t)v->index_type);
+    if (v->index_stride != 0 && v->index_stride < (uint32_t)6 << (v->index_type - BVX_U16))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.index_stride is %u, less than the %u bytes of a triangle",
+                         function, (uint64_t)v->index_stride, (uint64_t)6 << (v->index_type - BVX_U16));
+    if (v->triangle_count * bvxi_view_index_stride(v) > SIZE_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, more than memory can hold", function,
+                         v->triangle_count);
+    return BVX_OK;
+}
+
+bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mesh_view *view)
+{
+    if (view == NULL) return bvxi_fail_null(ctx, function, "mesh");
+    for (uint64_t i = 0; i < 2; i++)
+        if (view->reserved[i] != 0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.reserved[%u] is not zero", function, i);
+    BVXI_TRY(check_view_positions(ctx, function, view));
+    return check_view_indices(ctx, function, view);
+}
+
+/* ---- plain loops: the specification ---- */
+
+static bvx_status check_every_index(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
+{
+    uint32_t c[3];
+    for (uint64_t t = 0; t < v->triangle_count; t++)
+        if (!bvxi_view_triangle(v, t, c)) return bvxi_view_fail_index(ctx, function, v, t);
+    return BVX_OK;
+}
+
+static bvx_status check_every_position(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
+{
+    double p[3];
+    for (uint64_t i = 0; i < v->vertex_count; i++) {
+        bvxi_view_position(v, i, p);
+        if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, function, v, i);
+    }
+    return BVX_OK;
+}
+
+static void bounds_of_used(const bvx_mesh_view *v, double low[3], double high[3])
+{
+    uint32_t c[3];
+    double p[3];
+    bvxi_view_triangle(v, 0, c);
+    bvxi_view_position(v, c[0], low);
+    bvxi_view_position(v, c[0], high);
+    for (uint64_t t = 0; t < v->triangle_count; t++) {
+        bvxi_view_triangle(v, t, c);
+        for (int k = 0; k < 3; k++) {
+            bvxi_view_position(v, c[k], p);
+            for (int a = 0; a < 3; a++) {
+                low[a] = p[a] < low[a] ? p[a] : low[a];
+                high[a] = p[a] > high[a] ? p[a] : high[a];
+            }
+        }
+    }
+}
+
+/* ---- packed floats with packed 32-bit indices ---- */
+
+enum {
+    VIEW_LANES = 96,         /* coordinates side by side: x, y, z of 32 vertices, a loop that becomes vectors */
+    VIEW_VERTEX_BLOCK = 512, /* vertices whose bounds are compared at once */
+    VIEW_INDEX_BLOCK = 3072  /* numbers looked through while they are in the nearest cache */
+};
+
+typedef struct view_extremes {
+    float low[3], high[3];
+    uint64_t low_block[3], high_block[3]; /* first vertex of the block that has the extreme */
+} view_extremes;
+
+/* Take one more row of lanes into account. Comparisons keep the older value on NaN, which x * 0 finds. */
+static void take_lanes(const unsigned char *at, float low[VIEW_LANES], float high[VIEW_LANES], float zero[VIEW_LANES])
+{
+    float f;
+    for (int k = 0; k < VIEW_LANES; k++) {
+        memcpy(&f, at + 4 * k, sizeof f);
+        low[k] = f < low[k] ? f : low[k];
+        high[k] = f > high[k] ? f : high[k];
+        zero[k] += f * 0.0f;
+    }
+}
+
+/* Bounds of n vertices. Returns 0 when one is not finite. */
+static int bounds_of_block(const unsigned char *at, size_t n, float low[3], float high[3])
+{
+    float lo[VIEW_LANES], hi[VIEW_LANES], zero[VIEW_LANES], f, sum = 0.0f;
+    size_t const lanes = 3 * n < VIEW_LANES ? 3 * n : VIEW_LANES;
+    size_t i = lanes;
+    memcpy(lo, at, 4 * lanes);
+    memcpy(hi, at, 4 * lanes);
+    for (size_t k = 0; k < lanes; k++) zero[k] = lo[k] * 0.0f;
+    for (; i + VIEW_LANES <= 3 * n; i += VIEW_LANES) take_lanes(at + 4 * i, lo, hi, zero);
+    for (int k = 0; i < 3 * n; i++, k++) {
+        memcpy(&f, at + 4 * i, sizeof f);
+        lo[k] = f < lo[k] ? f : lo[k];
+        hi[k] = f > hi[k] ? f : hi[k];
+        zero[k] += f * 0.0f;
+    }
+    for (size_t k = 0; k < lanes; k++) {
+        low[k % 3] = k < 3 || lo[k] < low[k % 3] ? lo[k] : low[k % 3];
+        high[k % 3] = k < 3 || hi[k] > high[k % 3] ? hi[k] : high[k % 3];
+        sum += zero[k];
+    }
+    return sum == 0.0f;
+}
+
+static int bounds_of_all(const bvx_mesh_view *v, view_extremes *e)
+{
+    const unsigned char *const p = v->positions;
+    int finite = 1;
+    for (uint64_t first = 0; first < v->vertex_count; first += VIEW_VERTEX_BLOCK) {
+        uint64_t const n = v->vertex_count - first < VIEW_VERTEX_BLOCK ? v->vertex_count - first : VIEW_VERTEX_BLOCK;
+        float low[3], high[3];
+        finite &= bounds_of_block(p + 12 * (size_t)first, (size_t)n, low, high);
+        for (int a = 0; a < 3; a++) {
+            if (first == 0 || low[a] < e->low[a]) {
+                e->low[a] = low[a];
+                e->low_block[a] = first;
+            }
+            if (first == 0 || high[a] > e->high[a]) {
+                e->high[a] = high[a];
+                e->high_block[a] = first;
+            }
+        }
+    }
+    return finite;
+}
+
+/* The first vertex from first on whose coordinate on an axis is value; there is one. */
+static uint32_t vertex_at_extreme(const bvx_mesh_view *v, uint64_t first, int axis, float value)
+{
+    const unsigned char *const p = v->positions;
+    float f;
+    for (;; first++) {
+        memcpy(&f, p + 12 * (size_t)first + 4 * axis, sizeof f);
+        if (f == value) return (uint32_t)first;
+    }
+}
+
+/* Is value among n packed numbers? A whole block has a loop of its own, which compilers turn into vectors. */
+static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
+{
+    uint32_t hit = 0, c;
+    if (n == VIEW_INDEX_BLOCK) {
+        for (size_t i = 0; i < VIEW_INDEX_BLOCK; i++) {
+            memcpy(&c, at + 4 * i, sizeof c);
+            hit |= c == value;
+        }
+    } else {
+        for (size_t i = 0; i < n; i++) {
+            memcpy(&c, at + 4 * i, sizeof c);
+            hit |= c == value;
+        }
+    }
+    return hit != 0;
+}
+
+/* Are n packed numbers all at most last? */
+static int indices_within(const unsigned char *at, size_t n, uint32_t last)
+{
+    uint32_t beyond = 0, c;
+    if (n == VIEW_INDEX_BLOCK) {
+        for (size_t i = 0; i < VIEW_INDEX_BLOCK; i++) {
+            memcpy(&c, at + 4 * i, sizeof c);
+            beyond |= c > last;
+        }
+    } else {
+        for (size_t i = 0; i < n; i++) {
+            memcpy(&c, at + 4 * i, sizeof c);
+            beyond |= c > last;
+        }
+    }
+    return beyond == 0;
+}
+
+/* Look through all triangles: *within tells whether every number is a vertex, the result whether each of the wanted
+ * vertices is used. */
+static int triangles_mention(const bvx_mesh_view *v, uint32_t want[6], int *within)
+{
+    const unsigned char *const p = v->indices;
+    int missing = 6;
+    *within = 1;
+    for (uint64_t first = 0; first < 3 * v->triangle_count && *within; first += VIEW_INDEX_BLOCK) {
+        uint64_t const left = 3 * v->triangle_count - first;
+        size_t const n = left < VIEW_INDEX_BLOCK ? (size_t)left : VIEW_INDEX_BLOCK;
+        const unsigned char *const at = p + 4 * (size_t)first;
+        *within = indices_within(at, n, (uint32_t)(v->vertex_count - 1));
+        for (int k = missing - 1; k >= 0; k--)
+            if (indices_mention(at, n, want[k])) want[k] = want[--missing];
+    }
+    return missing == 0;
+}
+
+/* 1 when low and high are now known; 0 when the plain loops must decide. */
+static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
+{
+    view_extremes e;
+    uint32_t want[6];
+    int within;
+    if (!bvxi_view_packed_f32(v) || !bvxi_view_packed_u32(v) || v->vertex_count == 0) return 0;
+    if (!bounds_of_all(v, &e)) return 0;
+    for (int a = 0; a < 3; a++) {
+        want[2 * a] = vertex_at_extreme(v, e.low_block[a], a, e.low[a]);
+        want[2 * a + 1] = vertex_at_extreme(v, e.high_block[a], a, e.high[a]);
+        low[a] = (double)e.low[a];
+        high[a] = (double)e.high[a];
+    }
+    return triangles_mention(v, want, &within) && within;
+}
+
+bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3],
+                            double high[3])
+{
+    double lo[3], hi[3];
+    if (view->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", function);
+    if (!bounds_packed(view, lo, hi)) {
+        BVXI_TRY(check_every_index(ctx, function, view));
+        BVXI_TRY(check_every_position(ctx, function, view));
+        bounds_of_used(view, lo, hi);
+    }
+    for (int a = 0; a < 3; a++) {
+        low[a] = lo[a] + 0.0; /* turns -0 into 0, so that the order of vertices does not show */
+        high[a] = hi[a] + 0.0;
+    }
+    return BVX_OK;
+}

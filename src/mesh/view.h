@@ -1,0 +1,113 @@
+/* view.h - reading a caller's mesh: any position and index type, any stride, any alignment. Not installed.
+ *
+ * bvxi_view_check comes first: the getters below trust types, strides and counts. Indices are checked one by one as
+ * they are read, or all at once by bvxi_view_bounds. */
+#ifndef BVXI_VIEW_H
+#define BVXI_VIEW_H
+
+#include "core/core.h"
+
+/* The shape of the struct, not what the arrays hold: NULL, type numbers, strides, counts, reserved fields.
+ * BVX_ERR_ARGUMENT or BVX_ERR_RANGE with the field's name. A mesh without triangles passes. */
+bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mesh_view *view);
+
+/* Bounds of the vertices that triangles use, -0 given as 0; checks all indices and all coordinates on its way.
+ * BVX_ERR_EMPTY without triangles, BVX_ERR_RANGE for an index beyond the vertices (names the triangle) or else for a
+ * coordinate that is not finite (names the vertex; unused vertices must be finite too). Needs no memory. */
+bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3],
+                            double high[3]);
+
+/* The refusal of a triangle that bvxi_view_triangle did not accept, and of a vertex that is not finite. */
+BVXI_COLD bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                                          uint64_t t);
+BVXI_COLD bvx_status bvxi_view_fail_finite(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                                           uint64_t vertex);
+
+/* Bytes from vertex to vertex and from triangle to triangle. */
+static inline size_t bvxi_view_position_stride(const bvx_mesh_view *v)
+{
+    return v->position_stride != 0 ? v->position_stride : v->position_type == BVX_F32 ? 12u : 24u;
+}
+
+static inline size_t bvxi_view_index_stride(const bvx_mesh_view *v)
+{
+    return v->index_stride != 0 ? v->index_stride : (size_t)6 << (v->index_type - BVX_U16);
+}
+
+static inline const unsigned char *bvxi_view_position_at(const bvx_mesh_view *v, uint64_t vertex)
+{
+    return (const unsigned char *)v->positions + (size_t)vertex * bvxi_view_position_stride(v);
+}
+
+static inline const unsigned char *bvxi_view_index_at(const bvx_mesh_view *v, uint64_t t)
+{
+    return (const unsigned char *)v->indices + (size_t)t * bvxi_view_index_stride(v);
+}
+
+/* 1 when vertices are three floats, or triangles three uint32_t, with nothing between them (of any alignment). */
+static inline int bvxi_view_packed_f32(const bvx_mesh_view *v)
+{
+    return v->position_type == BVX_F32 && bvxi_view_position_stride(v) == 12;
+}
+
+static inline int bvxi_view_packed_u32(const bvx_mesh_view *v)
+{
+    return v->indices != NULL && v->index_type == BVX_U32 && bvxi_view_index_stride(v) == 12;
+}
+
+/* Corners of triangle t as they stand in the file; u64 indices are not cut short. */
+static inline void bvxi_view_raw_triangle(const bvx_mesh_view *v, uint64_t t, uint64_t corner[3])
+{
+    if (v->indices == NULL) {
+        corner[0] = 3 * t;
+        corner[1] = 3 * t + 1;
+        corner[2] = 3 * t + 2;
+    } else if (v->index_type == BVX_U32) {
+        uint32_t c[3];
+        memcpy(c, bvxi_view_index_at(v, t), sizeof c);
+        corner[0] = c[0];
+        corner[1] = c[1];
+        corner[2] = c[2];
+    } else if (v->index_type == BVX_U16) {
+        uint16_t c[3];
+        memcpy(c, bvxi_view_index_at(v, t), sizeof c);
+        corner[0] = c[0];
+        corner[1] = c[1];
+        corner[2] = c[2];
+    } else {
+        memcpy(corner, bvxi_view_index_at(v, t), 3 * sizeof corner[0]);
+    }
+}
+
+/* Corners of triangle t; 0 when one of them is no vertex (corner is then unspecified). */
+static inline int bvxi_view_triangle(const bvx_mesh_view *v, uint64_t t, uint32_t corner[3])
+{
+    uint64_t c[3];
+    bvxi_view_raw_triangle(v, t, c);
+    corner[0] = (uint32_t)c[0];
+    corner[1] = (uint32_t)c[1];
+    corner[2] = (uint32_t)c[2];
+    return (c[0] < v->vertex_count) & (c[1] < v->vertex_count) & (c[2] < v->vertex_count);
+}
+
+/* Position of a vertex below vertex_count. */
+static inline void bvxi_view_position(const bvx_mesh_view *v, uint64_t vertex, double p[3])
+{
+    if (v->position_type == BVX_F32) {
+        float f[3];
+        memcpy(f, bvxi_view_position_at(v, vertex), sizeof f);
+        p[0] = (double)f[0];
+        p[1] = (double)f[1];
+        p[2] = (double)f[2];
+    } else {
+        memcpy(p, bvxi_view_position_at(v, vertex), 3 * sizeof p[0]);
+    }
+}
+
+/* 1 when none of the three is an infinity or not a number. */
+static inline int bvxi_view_finite(const double p[3])
+{
+    return (p[0] - p[0]) + (p[1] - p[1]) + (p[2] - p[2]) == 0.0;
+}
+
+#endif

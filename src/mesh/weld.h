@@ -1,0 +1,12 @@
+/* weld.h - vertices at equal positions. Not installed. */
+#ifndef BVXI_WELD_H
+#define BVXI_WELD_H
+
+#include "core/core.h"
+
+/* representative[v] becomes the least number of a vertex at the position of v; -0 equals 0. *different counts the
+ * positions. The view is checked and its coordinates are finite.
+ * representative [Size: vertex_count]. Scratch: 6 bytes a vertex. */
+bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative, uint64_t *different);
+
+#endif
