@@ -1,0 +1,136 @@
+/* snap.c - vertices to fixed point: q = floor((p - origin) * (2^F / spacing) + 1/2) in doubles, |q| < 2^30.
+ *
+ * Guarantee: depends on the vertex and the lattice alone, so that shared edges stay shared and windows agree. */
+#include "voxelize/snap.h"
+
+enum { SNAP_GRAIN = 8192, SNAP_BAD = INT32_MIN };
+
+typedef struct snap_job {
+    const bvx_mesh_view *view;
+    double origin[3], scale[3];
+    bvxi_snapped *out;
+    bvxi_row_block block;
+    int32_t fraction_bits, pieces;
+    uint8_t bad[256]; /* by piece */
+} snap_job;
+
+/* 1 when the vertex fits; a NaN fails both comparisons. */
+static inline int snap_vertex(const double p[3], const double origin[3], const double scale[3], int32_t q[3])
+{
+    int fits = 1;
+    for (int32_t a = 0; a < 3; a++) {
+        double const v = (p[a] - origin[a]) * scale[a];
+        int const inside = v > 0.5 - BVXI_FIXED_LIMIT && v < BVXI_FIXED_LIMIT - 0.5;
+        q[a] = bvxi_round_half_up(inside ? v : 0.0);
+        fits &= inside;
+    }
+    return fits;
+}
+
+static void snap_piece(void *user, int32_t index, int32_t worker)
+{
+    snap_job *const job = user;
+    const bvx_mesh_view *const view = job->view;
+    uint64_t begin, end;
+    int fits = 1;
+    (void)worker;
+    bvxi_piece(view->vertex_count, job->pieces, index, &begin, &end);
+    for (uint64_t v = begin; v < end; v++) {
+        int32_t *const q = job->out->xyz + 3 * v;
+        double p[3];
+        bvxi_view_position(view, v, p);
+        if (BVXI_UNLIKELY(!snap_vertex(p, job->origin, job->scale, q))) {
+            q[0] = SNAP_BAD;
+            fits = 0;
+        }
+    }
+    job->bad[index] = !fits;
+}
+
+/* Vertices that no triangle uses may be anything; the first used one that does not fit is named. */
+static bvx_status snap_judge(bvx_context *ctx, const char *function, const snap_job *job, const bvx_lattice *lattice)
+{
+    const bvx_mesh_view *const view = job->view;
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        uint32_t corner[3];
+        if (!bvxi_view_triangle(view, t, corner)) continue; /* reported by the stage, with the triangle's number */
+        for (int32_t i = 0; i < 3; i++) {
+            double p[3];
+            if (job->out->xyz[3 * (uint64_t)corner[i]] != SNAP_BAD) continue;
+            bvxi_view_position(view, corner[i], p);
+            for (int32_t a = 0; a < 3; a++)
+                if (!(p[a] - p[a] == 0.0))
+                    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: vertex %u (of triangle %u) has a coordinate that is not finite",
+                                     function, (uint64_t)corner[i], t);
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: vertex %u at (%g, %g, %g) is more than 2^30 fixed-point steps from the lattice's origin; "
+                             "with %d fraction bits coordinates up to %g voxels away fit",
+                             function, (uint64_t)corner[i], p[0], p[1], p[2], (int64_t)lattice->fraction_bits,
+                             BVXI_FIXED_LIMIT / (double)(1 << lattice->fraction_bits));
+        }
+    }
+    for (uint64_t v = 0; v < view->vertex_count; v++)
+        if (job->out->xyz[3 * v] == SNAP_BAD) job->out->xyz[3 * v] = 0;
+    return BVX_OK;
+}
+
+void bvxi_snap_free(bvx_context *ctx, bvxi_snapped *s)
+{
+    bvxi_free(ctx, s->cell, s->vertex_count * 4);
+    bvxi_free(ctx, s->xyz, s->vertex_count * 12 + 4);
+    memset(s, 0, sizeof *s);
+}
+
+bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_lattice *lattice,
+                     bvxi_snapped *out)
+{
+    snap_job job = {0};
+    bvx_status status;
+    int any_bad = 0;
+    memset(out, 0, sizeof *out);
+    out->vertex_count = view->vertex_count;
+    job.view = view;
+    job.out = out;
+    job.pieces = bvxi_piece_count(view->vertex_count, SNAP_GRAIN);
+    memcpy(job.origin, lattice->origin, sizeof job.origin);
+    for (int32_t a = 0; a < 3; a++) job.scale[a] = (double)(1 << lattice->fraction_bits) / lattice->spacing[a];
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 12 + 4, "the snapped vertices", &out->xyz));
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' rows", &out->cell);
+    if (status == BVX_OK) status = bvxi_parallel(ctx, function, 0.0, 0.1, job.pieces, snap_piece, &job);
+    for (int32_t i = 0; i < job.pieces; i++) any_bad |= job.bad[i];
+    if (status == BVX_OK && any_bad) status = snap_judge(ctx, function, &job, lattice);
+    if (status != BVX_OK) bvxi_snap_free(ctx, out);
+    return status;
+}
+
+static inline uint32_t clamp_side(int32_t v, int32_t side)
+{
+    return (uint32_t)(v < 0 ? 0 : v > side ? side : v);
+}
+
+static void cell_piece(void *user, int32_t index, int32_t worker)
+{
+    const snap_job *const job = user;
+    bvxi_row_block const block = job->block;
+    int32_t const f = job->fraction_bits;
+    const int32_t *const xyz = job->out->xyz;
+    uint32_t *const cell = job->out->cell;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(job->out->vertex_count, job->pieces, index, &begin, &end);
+    for (uint64_t v = begin; v < end; v++) {
+        uint32_t const y = clamp_side(bvxi_centres_below(xyz[3 * v + 1], f) - block.y0, block.ny);
+        uint32_t const z = clamp_side(bvxi_centres_below(xyz[3 * v + 2], f) - block.z0, block.nz);
+        cell[v] = z << 16 | y;
+    }
+}
+
+bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block, bvxi_snapped *s)
+{
+    snap_job job = {0};
+    job.out = s;
+    job.block = *block;
+    job.fraction_bits = lattice->fraction_bits;
+    job.pieces = bvxi_piece_count(s->vertex_count, SNAP_GRAIN);
+    return bvxi_parallel(ctx, "solid", 0.1, 0.15, job.pieces, cell_piece, &job);
+}

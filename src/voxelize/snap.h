@@ -1,0 +1,30 @@
+/* snap.h - a mesh's vertices on the fixed-point lattice, and the rows they lie between. Not installed. */
+#ifndef BVXI_SNAP_H
+#define BVXI_SNAP_H
+
+#include "lattice/lattice.h"
+#include "mesh/view.h"
+
+enum { BVXI_MAX_CELL_SIDE = 65535 };
+
+/* A block of rows of a lattice: [y0, y0 + ny) x [z0, z0 + nz), each side at most BVXI_MAX_CELL_SIDE. */
+typedef struct bvxi_row_block {
+    int32_t y0, ny, z0, nz;
+} bvxi_row_block;
+
+/* Vertices after snapping. cell: how many row centres of the block lie below the vertex, z << 16 | y. A triangle
+ * covers no row centre of the block when its three cells agree in y or in z. */
+typedef struct bvxi_snapped {
+    int32_t *xyz;   /* [Size: vertex_count * 3 + 1] [Units: lattice fixed point] */
+    uint32_t *cell; /* [Size: vertex_count] */
+    uint64_t vertex_count;
+} bvxi_snapped;
+
+/* Snap all vertices. A vertex that cannot be snapped is an error when a triangle uses it. Scratch: 16 bytes a vertex. */
+bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_lattice *lattice,
+                     bvxi_snapped *out);
+/* (Re)compute the cells for a block. */
+bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block, bvxi_snapped *s);
+void bvxi_snap_free(bvx_context *ctx, bvxi_snapped *s);
+
+#endif

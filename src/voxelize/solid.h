@@ -1,0 +1,117 @@
+/* solid.h - one block of rows being filled; shared by the solid's files. Not installed.
+ *
+ * The work goes in rounds. In a round each chunk of triangles writes its crossings into a buffer of its own, sorted by
+ * tile of rows, until its triangles or its buffer end; then each tile takes what the chunks have for it. No two workers
+ * write to one place, nothing is atomic, and memory does not grow with the crossings. */
+#ifndef BVXI_SOLID_H
+#define BVXI_SOLID_H
+
+#include "bits/bits.h"
+#include "grid/grid.h"
+#include "voxelize/cover.h"
+
+enum { BVXI_SOLID_TILES = 32, BVXI_SOLID_CHUNKS = 64, BVXI_SOLID_BUFFER = 8192, BVXI_SOLID_LARGE = 1024 };
+
+/* A row of the block (k << 16 | j) and where it is crossed: lattice index << 1 | leaving. */
+typedef struct bvxi_crossing {
+    uint32_t row;
+    int32_t code;
+} bvxi_crossing;
+
+typedef struct bvxi_chunk {
+    uint64_t next, end;                 /* triangles still to do */
+    uint64_t bad;                       /* first with an index out of range, or UINT64_MAX */
+    uint64_t used;                      /* triangles whose box holds the centre of a row */
+    bvxi_crossing *sorted;              /* [Size: BVXI_SOLID_BUFFER] by tile */
+    uint32_t *large;                    /* [Size: BVXI_SOLID_LARGE] triangles of many rows, left to the tiles */
+    uint32_t large_count;
+    uint32_t tile_end[BVXI_SOLID_TILES + 1]; /* tile t has sorted[tile_end[t] .. tile_end[t + 1]) */
+} bvxi_chunk;
+
+typedef struct bvxi_solid_job {
+    const bvx_mesh_view *view;
+    const bvx_grid *grid;    /* words are written */
+    bvxi_snapped snapped;
+    bvxi_row_block block;    /* [Units: lattice rows] */
+    int32_t fraction_bits, fill, cpu, mode;
+    bvxi_chunk *chunk;
+    int32_t chunks;
+    struct bvxi_cross_batch *batch; /* one a worker */
+
+    /* tiles of rows: 2^y_shift rows by 2^z_shift slices */
+    int32_t y_shift, z_shift, tiles_y, tiles_z, tiles;
+
+    uint8_t *beyond;         /* by row: parity of the crossings behind the window's last voxel */
+    uint64_t crossings[BVXI_SOLID_TILES], unbalanced[BVXI_SOLID_TILES], dropped[BVXI_SOLID_TILES];
+
+    /* crossing lists, for rows with listed[row] != 0 only (NULL: all rows) */
+    uint8_t *listed;
+    uint64_t *row_end;       /* counts, then ends of the rows' lists */
+    int32_t *crossing;       /* codes, by row */
+} bvxi_solid_job;
+
+/* What the tiles do with a crossing: job->mode. */
+enum { BVXI_TOGGLE = 0, BVXI_COUNT_LIST = 1, BVXI_FILL_LIST = 2 };
+
+/* A worker's batch of pairs of a triangle and a centre in its box (crossings.c). */
+enum { BVXI_CROSS_BATCH = 512, BVXI_CROSS_FEW = 8 };
+
+typedef struct bvxi_cross_batch {
+    uint32_t corner[3 * BVXI_CROSS_BATCH];  /* of the batch's triangles */
+    uint16_t kept[BVXI_CROSS_BATCH];        /* triangles that cover, and their three cells */
+    int32_t cell[3][BVXI_CROSS_BATCH];
+    int32_t j0[BVXI_CROSS_BATCH], k0[BVXI_CROSS_BATCH], tall[BVXI_CROSS_BATCH], deep[BVXI_CROSS_BATCH]; /* their boxes */
+    uint16_t single[BVXI_CROSS_BATCH], several[BVXI_CROSS_BATCH];
+
+    uint16_t triangle[BVXI_CROSS_BATCH];    /* pairs: triangle within corner, row, corners relative to the centre */
+    uint32_t row[BVXI_CROSS_BATCH];
+    int32_t y[3][BVXI_CROSS_BATCH], z[3][BVXI_CROSS_BATCH];
+    double e[3][BVXI_CROSS_BATCH];          /* edge functions bc, ca, ab at the centre */
+    double least[BVXI_CROSS_BATCH], most[BVXI_CROSS_BATCH]; /* of the edges' signs: inside when above 0, or below */
+    int32_t spread[BVXI_CROSS_BATCH];       /* bits of the corners' distances */
+    uint16_t hit[BVXI_CROSS_BATCH];
+    uint32_t count, found_count;
+    bvxi_crossing found[BVXI_SOLID_BUFFER]; /* of the chunk, in the order found */
+} bvxi_cross_batch;
+
+/* Rows of a block: [j0, j1) x [k0, k1). */
+typedef struct bvxi_rows {
+    int32_t j0, j1, k0, k1;
+} bvxi_rows;
+
+/* Words of row (j, k) of the block inside the grid. */
+static inline uint64_t *bvxi_block_words(const bvxi_solid_job *job, int32_t j, int32_t k)
+{
+    const bvx_grid *const g = job->grid;
+    uint64_t const y = (uint64_t)(job->block.y0 - g->low[1] + j), z = (uint64_t)(job->block.z0 - g->low[2] + k);
+    return g->words + (z * (uint64_t)g->size[1] + y) * (uint64_t)g->words_per_row;
+}
+
+static inline uint64_t bvxi_block_row(const bvxi_solid_job *job, int32_t j, int32_t k)
+{
+    return (uint64_t)k * (uint64_t)job->block.ny + (uint64_t)j;
+}
+
+/* The rows of a tile, within the block. */
+static inline bvxi_rows bvxi_tile_rows(const bvxi_solid_job *job, int32_t tile)
+{
+    int32_t const ty = tile % job->tiles_y, tz = tile / job->tiles_y;
+    bvxi_rows r;
+    r.j0 = ty << job->y_shift;
+    r.j1 = job->block.ny - r.j0 < 1 << job->y_shift ? job->block.ny : r.j0 + (1 << job->y_shift);
+    r.k0 = tz << job->z_shift;
+    r.k1 = job->block.nz - r.k0 < 1 << job->z_shift ? job->block.nz : r.k0 + (1 << job->z_shift);
+    return r;
+}
+
+/* crossings.c: a chunk's share of a round. */
+void bvxi_find_crossings(void *job, int32_t chunk, int32_t worker);
+/* spans.c: all crossings of a large triangle in a tile, handed over one by one. */
+typedef void bvxi_crossing_fn(bvxi_solid_job *job, int32_t tile, uint32_t row, int32_t code);
+void bvxi_cover_spans(bvxi_solid_job *job, int32_t tile, uint32_t triangle, bvxi_crossing_fn *take);
+/* solid.c: run rounds until all triangles are done, the tiles doing what mode says. */
+bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to);
+/* solid_rows.c: fill listed rows from their lists by the job's rule. */
+bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job);
+
+#endif

@@ -1,0 +1,86 @@
+/* spans.c - the rows that one large triangle covers.
+ *
+ * Each slice is solved for its span of rows by floor and ceiling divisions of the edge functions in 64-bit integers, so
+ * that a needle costs its own length and not its box.
+ * Guarantee: exact for every triangle that the lattice can hold (bit budgets in lattice.h and cover.h). */
+#include "voxelize/solid.h"
+
+static inline int32_t least_of_three(int32_t a, int32_t b, int32_t c)
+{
+    int32_t const m = a < b ? a : b;
+    return m < c ? m : c;
+}
+
+static inline int32_t most_of_three(int32_t a, int32_t b, int32_t c)
+{
+    int32_t const m = a > b ? a : b;
+    return m > c ? m : c;
+}
+
+/* Rows of the triangle's box, from the cells of its corners, cut to the tile. */
+static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows tile, bvxi_rows *r)
+{
+    int32_t y[3], z[3];
+    for (int32_t i = 0; i < 3; i++) {
+        y[i] = (int32_t)(cell[corner[i]] & 0xffff);
+        z[i] = (int32_t)(cell[corner[i]] >> 16);
+    }
+    r->j0 = least_of_three(y[0], y[1], y[2]);
+    r->j1 = most_of_three(y[0], y[1], y[2]);
+    r->k0 = least_of_three(z[0], z[1], z[2]);
+    r->k1 = most_of_three(z[0], z[1], z[2]);
+    if (r->j0 < tile.j0) r->j0 = tile.j0;
+    if (r->j1 > tile.j1) r->j1 = tile.j1;
+    if (r->k0 < tile.k0) r->k0 = tile.k0;
+    if (r->k1 > tile.k1) r->k1 = tile.k1;
+    return r->j0 < r->j1 && r->k0 < r->k1;
+}
+
+/* Rows first..last of a slice (counted from y0) whose displaced centres lie inside all three edges. */
+static void slice_span(const bvxi_triangle *t, int64_t y0, int64_t z, int64_t step, int64_t *first, int64_t *last)
+{
+    for (int32_t i = 0; i < 3; i++) {
+        const int32_t *const u = t->p[i], *const v = t->p[i == 2 ? 0 : i + 1];
+        int64_t const dy = (int64_t)v[1] - u[1], dz = (int64_t)v[2] - u[2];
+        int64_t const bias = dz < 0 || (dz == 0 && dy > 0) ? 0 : 1;
+        int64_t const e = dy * (z - u[2]) - dz * (y0 - u[1]) - bias; /* need e - n dz step >= 0 for row n */
+        if (dz > 0) {
+            int64_t const most = bvxi_floor_div(e, dz * step);
+            if (most < *last) *last = most;
+        } else if (dz < 0) {
+            int64_t const least = bvxi_ceil_div(-e, -dz * step);
+            if (least > *first) *first = least;
+        } else if (e < 0) {
+            *last = *first - 1;
+        }
+    }
+}
+
+void bvxi_cover_spans(bvxi_solid_job *job, int32_t tile, uint32_t triangle, bvxi_crossing_fn *take)
+{
+    const int32_t *const xyz = job->snapped.xyz, *p[3];
+    int32_t const f = job->fraction_bits;
+    int64_t const step = (int64_t)1 << f, half = step >> 1;
+    double extent[3];
+    uint32_t corner[3];
+    bvxi_triangle t;
+    bvxi_divider d;
+    bvxi_rows r;
+    bvxi_view_triangle(job->view, triangle, corner);
+    if (!box_rows(job->snapped.cell, corner, bvxi_tile_rows(job, tile), &r)) return;
+    for (int32_t i = 0; i < 3; i++) p[i] = xyz + 3 * (size_t)corner[i];
+    if (!bvxi_triangle_setup(p[0], p[1], p[2], &t)) return;
+    for (int32_t a = 1; a < 3; a++)
+        extent[a] = (double)((int64_t)most_of_three(p[0][a], p[1][a], p[2][a]) - least_of_three(p[0][a], p[1][a], p[2][a]));
+    bvxi_divider_setup(&t, f, extent[1], extent[2], &d);
+    for (int32_t k = r.k0; k < r.k1; k++) {
+        int64_t const y0 = (job->block.y0 + r.j0) * step + half, z = (job->block.z0 + k) * step + half;
+        int64_t first = 0, last = (int64_t)r.j1 - r.j0 - 1;
+        slice_span(&t, y0, z, step, &first, &last);
+        for (int64_t n = first; n <= last; n++) {
+            int32_t const j = r.j0 + (int32_t)n;
+            int32_t const i = bvxi_cross(&t, &d, f, (double)(y0 + n * step), (double)z, job->block.y0 + j, job->block.z0 + k);
+            take(job, tile, (uint32_t)k << 16 | (uint32_t)j, (int32_t)((uint32_t)i << 1 | (uint32_t)t.leaving));
+        }
+    }
+}
