@@ -1,0 +1,246 @@
+/* march.c - the surface between set and empty voxel centres: bvx_extract_surface.
+ *
+ * Source: Lorensen, Cline. Marching Cubes. 1987; two passes with row offsets as in Schroeder et al. Flying Edges. 2015.
+ *
+ * Rows are read 64 cells at a time: crossing masks by shift and XOR, vertex numbers by rank, no cell or edge is cached.
+ * A first pass counts vertices and triangles of each row of cells, prefix sums give every row its place, a second pass
+ * writes. Guarantee: closed where sides are closed, outwards, manifold, canonical order; no thread shows in it. */
+#include "surface/march.h"
+
+enum { SLOT_GRAIN = 64 };
+
+static const bvx_extract_options extract_defaults = {0, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, 0};
+
+void bvx_extract_options_init(bvx_extract_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &extract_defaults, sizeof extract_defaults);
+}
+
+static bvx_status check_extract_options(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_extract_options *o)
+{
+    if (o->face_rule != BVX_FACE_SEPARATE && o->face_rule != BVX_FACE_JOIN)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: face rule %d is unknown", function, (int64_t)o->face_rule);
+    if (o->position_type != BVX_F32 && o->position_type != BVX_F64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither BVX_F32 nor BVX_F64", function,
+                         (int64_t)o->position_type);
+    if (o->open_sides < 0 || o->open_sides > 63)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: open sides %d hold unknown bits", function, (int64_t)o->open_sides);
+    if ((o->keys & ~1) != 0 || (o->local_frame & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys and local_frame are 0 or 1", function);
+    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", function);
+    for (int32_t a = 0; o->keys && a < 3; a++)
+        if (grid->lattice.dims[a] > (1 << 20) - 2)
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",
+                             function, (int64_t)(1 << 20) - 2, (int64_t)grid->lattice.dims[a]);
+    return BVX_OK;
+}
+
+/* Refuse f32 where its steps at the largest coordinate exceed 1/256 of a voxel. */
+static bvx_status check_precision(bvx_context *ctx, const bvxi_march *m)
+{
+    for (int32_t a = 0; a < 3 && m->options.position_type == BVX_F32; a++) {
+        double const low = m->origin[a] + m->grid->low[a] * m->spacing[a];
+        double const high = m->origin[a] + ((double)m->grid->low[a] + m->grid->size[a]) * m->spacing[a];
+        double const most = (low < 0 ? -low : low) > (high < 0 ? -high : high) ? (low < 0 ? -low : low) : (high < 0 ? -high : high);
+        double step = 1.0 / 9007199254740992.0 / 9007199254740992.0; /* power of two, grown to the f32 step at most */
+        if (!(most < 3.0e38))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: coordinates up to %g do not fit f32; take f64 or a local frame",
+                             m->function, most);
+        while (step * 16777216.0 <= most) step *= 2;
+        if (step > m->spacing[a] / 256.0)
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame", m->function,
+                             most, step, m->spacing[a]);
+    }
+    return BVX_OK;
+}
+
+/* Cells by their low corner: from the layer before the window to its last voxel, less a layer on each open side. */
+static void choose_cells(bvxi_march *m)
+{
+    int32_t const nx = m->grid->size[0];
+    int32_t last_bit;
+    for (int32_t a = 0; a < 3; a++) {
+        m->cell_low[a] = (m->options.open_sides >> (2 * a) & 1) != 0 ? 0 : -1;
+        m->cell_high[a] = m->grid->size[a] - ((m->options.open_sides >> (2 * a + 1) & 1) != 0 ? 2 : 1);
+    }
+    m->edge_words = nx / 64 + 1;
+    m->first_mask = ~UINT64_C(0) << (m->cell_low[0] + 1); /* cell -1 is bit 0 */
+    last_bit = (m->cell_high[0] + 1) - (m->edge_words - 1) * 64;
+    m->last_mask = last_bit < 0 ? 0 : last_bit >= 63 ? ~UINT64_C(0) : (UINT64_C(2) << last_bit) - 1;
+}
+
+/* Counts become first numbers. */
+static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
+{
+    uint64_t vertices = 0, triangles = 0;
+    for (int32_t p = 0; p < m->pieces; p++) {
+        vertices += m->piece_counts[2 * p];
+        triangles += m->piece_counts[2 * p + 1];
+    }
+    if (vertices >= UINT32_MAX || triangles >= UINT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the surface has %u vertices and %u triangles; 2^32 - 1 are possible, extract it by windows",
+                         m->function, vertices, triangles);
+    m->vertex_count = vertices;
+    m->triangle_count = triangles;
+    vertices = triangles = 0;
+    for (uint64_t s = 0; s < m->slot_count; s++) {
+        bvxi_slot *const slot = &m->slots[s];
+        uint32_t const x = slot->edge[0], y = slot->edge[1], z = slot->edge[2], t = slot->triangle;
+        slot->edge[0] = (uint32_t)vertices;
+        slot->edge[1] = (uint32_t)(vertices + x);
+        slot->edge[2] = (uint32_t)(vertices + x + y);
+        slot->triangle = (uint32_t)triangles;
+        vertices += (uint64_t)x + y + z;
+        triangles += t;
+    }
+    memset(&m->slots[m->slot_count], 0, sizeof *m->slots);
+    m->slots[m->slot_count].edge[0] = (uint32_t)vertices;
+    m->slots[m->slot_count].triangle = (uint32_t)triangles;
+    return BVX_OK;
+}
+
+static uint64_t across_bytes(const bvxi_march *m)
+{
+    return ((uint64_t)m->grid->size[0] + 2) * 2 * sizeof(double);
+}
+
+bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid, const bvx_extract_options *options)
+{
+    BVXI_TRY(bvxi_grid_check(ctx, m->function, grid));
+    BVXI_TRY(check_extract_options(ctx, m->function, grid, options));
+    m->grid = grid;
+    m->options = *options;
+    m->cpu = bvxi_cpu(ctx);
+    for (int32_t a = 0; a < 3; a++) {
+        m->spacing[a] = grid->lattice.spacing[a];
+        m->origin[a] = options->local_frame ? 0.0 : grid->lattice.origin[a];
+    }
+    BVXI_TRY(check_precision(ctx, m));
+    choose_cells(m);
+    m->slot_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
+    m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex numbers", &m->slots));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 16, "the counts", &m->piece_counts));
+    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.0, 0.35, m->pieces, bvxi_march_count_piece, m));
+    return number_slots(ctx, m);
+}
+
+void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
+{
+    if (m->grid != NULL) bvxi_free(ctx, m->across[0], across_bytes(m));
+    bvxi_free(ctx, m->piece_counts, (uint64_t)m->pieces * 16);
+    bvxi_free(ctx, m->slots, (m->slot_count + 1) * sizeof *m->slots);
+}
+
+/* ---- the mesh's arrays ---- */
+
+static uint64_t extract_position_bytes(const bvx_extract_options *o)
+{
+    return o->position_type == BVX_F32 ? 12 : 24;
+}
+
+/* Arrays of the caller's are taken when they suffice; otherwise all are made. */
+static bvx_status open_mesh(bvx_context *ctx, const bvxi_march *m, bvx_mesh *mesh)
+{
+    bvx_status status;
+    bvx_mesh made = *mesh;
+    if (mesh->positions != NULL || mesh->triangles != NULL) {
+        if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != m->options.position_type)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: arrays of the caller's need both positions of the type asked for and triangles",
+                             m->function);
+        if (m->options.keys && (mesh->vertex_keys == NULL || mesh->triangle_keys == NULL))
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys are asked for and the mesh given has no arrays for them", m->function);
+        if (mesh->vertex_capacity < m->vertex_count || mesh->triangle_capacity < m->triangle_count)
+            return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the surface has %u vertices and %u triangles, the arrays hold %u and %u",
+                             m->function, m->vertex_count, m->triangle_count, mesh->vertex_capacity, mesh->triangle_capacity);
+        mesh->vertex_count = m->vertex_count;
+        mesh->triangle_count = m->triangle_count;
+        memset(mesh->frame, 0, sizeof mesh->frame);
+        return BVX_OK;
+    }
+    memset(&made, 0, sizeof made);
+    made.owned = 1;
+    made.position_type = m->options.position_type;
+    made.vertex_count = made.vertex_capacity = m->vertex_count;
+    made.triangle_count = made.triangle_capacity = m->triangle_count;
+    status = bvxi_alloc(ctx, BVXI_RESULT, m->vertex_count * extract_position_bytes(&m->options), "the positions", &made.positions);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, m->triangle_count * 12, "the triangles", &made.triangles);
+    if (status == BVX_OK && m->options.keys) {
+        status = bvxi_alloc(ctx, BVXI_RESULT, m->vertex_count * 8, "the vertex keys", &made.vertex_keys);
+        if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, m->triangle_count * 8, "the triangle keys", &made.triangle_keys);
+    }
+    if (status != BVX_OK) {
+        bvx_mesh_free(ctx, &made);
+        return status;
+    }
+    *mesh = made;
+    return BVX_OK;
+}
+
+/* x of every edge's middle (bit e lies between centres e-1 and e) and of every centre (bit i). */
+static bvx_status place_across(bvx_context *ctx, bvxi_march *m)
+{
+    int32_t const n = m->grid->size[0] + 2;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, across_bytes(m), "the columns' positions", &m->across[0]));
+    m->across[1] = m->across[0] + n;
+    for (int32_t i = 0; i < n; i++) {
+        m->across[0][i] = m->origin[0] + (double)(m->grid->low[0] + i) * m->spacing[0];
+        m->across[1][i] = m->origin[0] + ((double)(m->grid->low[0] + i) + 0.5) * m->spacing[0];
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
+{
+    int const mine = mesh->positions == NULL;
+    bvx_status status;
+    BVXI_TRY(place_across(ctx, m));
+    BVXI_TRY(open_mesh(ctx, m, mesh));
+    if (m->options.local_frame) memcpy(mesh->frame, m->grid->lattice.origin, sizeof mesh->frame);
+    m->mesh = mesh;
+    status = bvxi_parallel(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
+    if (status == BVX_OK && m->options.keys) status = bvxi_parallel(ctx, "surface", 1.0, 1.0, m->pieces, bvxi_march_key_piece, m);
+    if (status != BVX_OK) {
+        if (mine) bvx_mesh_free(ctx, mesh);
+        else mesh->vertex_count = mesh->triangle_count = 0;
+    }
+    return status;
+}
+
+/* ---- public ---- */
+
+bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
+                             uint64_t *vertex_count, uint64_t *triangle_count)
+{
+    static const char name[] = "bvx_extract_count";
+    bvx_extract_options o = extract_defaults;
+    bvxi_march m = {0};
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, name, "a count");
+    BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
+    m.function = name;
+    status = bvxi_march_open(context, &m, grid, &o);
+    bvxi_march_close(context, &m);
+    if (status != BVX_OK) return status;
+    *vertex_count = m.vertex_count;
+    *triangle_count = m.triangle_count;
+    return BVX_OK;
+}
+
+bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options, bvx_mesh *mesh)
+{
+    static const char name[] = "bvx_extract_surface";
+    bvx_extract_options o = extract_defaults;
+    bvxi_march m = {0};
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
+    BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
+    m.function = name;
+    status = bvxi_march_open(context, &m, grid, &o);
+    if (status == BVX_OK) status = bvxi_march_fill(context, &m, mesh);
+    bvxi_march_close(context, &m);
+    return status;
+}

@@ -1,0 +1,105 @@
+/* march.h - marching cubes over bit rows; the part shared by extraction and LOD. Not installed.
+ *
+ * A slot is a row of lattice edges and cells by its low (j, k), j and k from -1: rows before the window's first are
+ * empty. It owns the x-edges of row (j, k), the y-edges from it to (j+1, k), the z-edges from it to (j, k+1), and the
+ * cells between the four rows. Vertices are numbered slot by slot, x-, y-, z-edges, each by rising x, which is the
+ * canonical order; so the number of a vertex is its slot's base plus the rank of its bit in the crossing mask. */
+#ifndef BVXI_MARCH_H
+#define BVXI_MARCH_H
+
+#include "bits/bits.h"
+#include "grid/grid.h"
+
+/* First numbers of a slot's vertices by axis and of its triangles (counts before the prefix sum). */
+typedef struct bvxi_slot {
+    uint32_t edge[3];
+    uint32_t triangle;
+} bvxi_slot;
+
+/* Where a vertex sits on its edge: ratio in (0,1) from centre (i,j,k) of the window along axis; -1 is a centre before the
+ * window. NULL: the middle. Called from workers. */
+typedef double bvxi_ratio_fn(const void *user, int32_t axis, int32_t i, int32_t j, int32_t k);
+
+typedef struct bvxi_march {
+    const bvx_grid *grid;
+    bvx_extract_options options;
+    bvxi_ratio_fn *ratio;
+    const void *ratio_user;
+    const char *function;             /* named in messages */
+    int32_t cpu;
+    int32_t cell_low[3], cell_high[3]; /* visited cells by low corner, inclusive */
+    int32_t edge_words;               /* words of a row's x-edges: one bit more than voxels */
+    uint64_t first_mask, last_mask;   /* visited cells of the first and last edge word */
+    bvxi_slot *slots;                 /* [Size: slot_count + 1] */
+    uint64_t slot_count;
+    int32_t pieces;
+    uint64_t *piece_counts;           /* [Size: pieces * 2] vertices, triangles */
+    uint64_t vertex_count, triangle_count;
+    double origin[3], spacing[3];     /* of positions: origin 0 in a local frame */
+    double *across[2];                /* x of edges and of centres [Size: size[0] + 2] */
+    bvx_mesh *mesh;
+} bvxi_march;
+
+/* Check, choose cells, count: after success the counts and slots stand. bvxi_march_close in any case. */
+bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid, const bvx_extract_options *options);
+/* Make or fill the mesh. */
+bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh);
+void bvxi_march_close(bvx_context *ctx, bvxi_march *m);
+
+/* count.c, emit.c: pieces of slots for bvxi_parallel. */
+void bvxi_march_count_piece(void *march, int32_t piece, int32_t worker);
+void bvxi_march_emit_piece(void *march, int32_t piece, int32_t worker);
+/* keys.c: canonical keys of vertices and triangles. */
+void bvxi_march_key_piece(void *march, int32_t piece, int32_t worker);
+
+/* Slot number to the low row (j, k) of its cells. */
+static inline void bvxi_slot_row(const bvxi_march *m, uint64_t slot, int32_t *j, int32_t *k)
+{
+    uint64_t const rows = (uint64_t)m->grid->size[1] + 1;
+    *k = (int32_t)(slot / rows) - 1;
+    *j = (int32_t)(slot % rows) - 1;
+}
+
+/* The words of row (j, k), or NULL outside the window. */
+static inline const uint64_t *bvxi_march_row(const bvxi_march *m, int32_t j, int32_t k)
+{
+    const bvx_grid *const g = m->grid;
+    if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return NULL;
+    return g->words + ((uint64_t)k * (uint64_t)g->size[1] + (uint64_t)j) * (uint64_t)g->words_per_row;
+}
+
+/* Word n of a row as high-x corners of cells, and with the centres one lower as low-x corners; n may be one past the
+ * row's words, and the row may be NULL. */
+static inline uint64_t bvxi_high_word(const uint64_t *row, int32_t n, int32_t words)
+{
+    return row != NULL && n < words ? row[n] : 0;
+}
+
+static inline uint64_t bvxi_low_word(const uint64_t *row, int32_t n, int32_t words)
+{
+    if (row == NULL) return 0;
+    return (n < words ? row[n] << 1 : 0) | (n > 0 ? row[n - 1] >> 63 : 0);
+}
+
+/* Cells of edge word n that are visited. */
+static inline uint64_t bvxi_visited(const bvxi_march *m, int32_t n)
+{
+    uint64_t mask = ~UINT64_C(0);
+    if (n == 0) mask &= m->first_mask;
+    if (n == m->edge_words - 1) mask &= m->last_mask;
+    return mask;
+}
+
+/* 1 when the slot owns crossings of the axis (0, 1, 2), or visited cells (3). */
+static inline int bvxi_slot_has(const bvxi_march *m, int32_t what, int32_t j, int32_t k)
+{
+    int const j_cell = j >= m->cell_low[1] && j <= m->cell_high[1], k_cell = k >= m->cell_low[2] && k <= m->cell_high[2];
+    switch (what) {
+    case 0: return j >= 0 && k >= 0;
+    case 1: return k >= 0 && j_cell;
+    case 2: return j >= 0 && k_cell;
+    default: return j_cell && k_cell;
+    }
+}
+
+#endif

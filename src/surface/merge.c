@@ -1,0 +1,173 @@
+/* merge.c - surfaces of windows joined by their keys: bvx_mesh_merge.
+ *
+ * Vertices on a shared layer come from both windows with one key and one position; sorting by key brings them together
+ * and puts everything into the whole's order. Triangles of a cell come from one window, in the order of its slots, which
+ * a stable sort keeps. Guarantee: the bytes of the surface extracted at once. */
+#include "mesh/radix.h"
+
+static const char merge_name[] = "bvx_mesh_merge";
+
+typedef struct merge_work {
+    const bvx_mesh *parts;
+    uint64_t part_count, vertices, triangles; /* of all parts */
+    uint64_t *keys;                           /* [Size: the greater of both] */
+    uint32_t *order, *renumber;               /* [Size: the greater of both], [Size: vertices] */
+    uint64_t entries;
+} merge_work;
+
+static bvx_status check_parts(bvx_context *ctx, merge_work *w)
+{
+    const bvx_mesh *const first = w->parts;
+    for (uint64_t p = 0; p < w->part_count; p++) {
+        const bvx_mesh *const m = &w->parts[p];
+        if (m->vertex_count != 0 && (m->positions == NULL || m->vertex_keys == NULL))
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has no vertex keys; extract it with keys", merge_name, p);
+        if (m->triangle_count != 0 && (m->triangles == NULL || m->triangle_keys == NULL))
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has no triangle keys; extract it with keys", merge_name, p);
+        if (m->position_type != first->position_type || (m->position_type != BVX_F32 && m->position_type != BVX_F64))
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has another position type than part 0", merge_name, p);
+        for (int32_t a = 0; a < 3; a++)
+            if (!(m->frame[a] == first->frame[a]))
+                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has another frame than part 0", merge_name, p);
+        w->vertices += m->vertex_count;
+        w->triangles += m->triangle_count;
+    }
+    if (w->vertices >= UINT32_MAX || w->triangles >= UINT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the parts have %u vertices and %u triangles; 2^32 - 1 are possible", merge_name,
+                         w->vertices, w->triangles);
+    w->entries = w->vertices > w->triangles ? w->vertices : w->triangles;
+    return BVX_OK;
+}
+
+/* Sort the parts' keys of one kind; order[n] is the place among all parts of the n-th. */
+static bvx_status sort_keys(bvx_context *ctx, merge_work *w, int triangles)
+{
+    uint64_t n = 0;
+    for (uint64_t p = 0; p < w->part_count; p++) {
+        const bvx_mesh *const m = &w->parts[p];
+        uint64_t const count = triangles ? m->triangle_count : m->vertex_count;
+        const uint64_t *const keys = triangles ? m->triangle_keys : m->vertex_keys;
+        for (uint64_t i = 0; i < count; i++, n++) {
+            w->keys[n] = keys[i];
+            w->order[n] = (uint32_t)n;
+        }
+    }
+    return bvxi_radix_sort(ctx, w->keys, w->order, n);
+}
+
+/* The part of a place among all, by bisection over running totals kept in the caller's array. */
+static uint64_t part_of(const uint64_t *start, uint64_t part_count, uint64_t place)
+{
+    uint64_t low = 0, high = part_count;
+    while (high - low > 1) {
+        uint64_t const middle = low + (high - low) / 2;
+        if (start[middle] <= place) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+static void start_parts(const merge_work *w, int triangles, uint64_t *start)
+{
+    uint64_t total = 0;
+    for (uint64_t p = 0; p < w->part_count; p++) {
+        start[p] = total;
+        total += triangles ? w->parts[p].triangle_count : w->parts[p].vertex_count;
+    }
+}
+
+static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh *whole)
+{
+    size_t const bytes = whole->position_type == BVX_F32 ? 12 : 24;
+    uint64_t n = 0;
+    for (uint64_t i = 0; i < w->vertices; i++) {
+        uint64_t const place = w->order[i];
+        if (i == 0 || w->keys[i] != w->keys[i - 1]) {
+            uint64_t const p = part_of(start, w->part_count, place);
+            memcpy((unsigned char *)whole->positions + n * bytes,
+                   (const unsigned char *)w->parts[p].positions + (place - start[p]) * bytes, bytes);
+            whole->vertex_keys[n++] = w->keys[i];
+        }
+        w->renumber[place] = (uint32_t)(n - 1);
+    }
+}
+
+static void merge_triangles(const merge_work *w, const uint64_t *start, const uint64_t *vertex_start, bvx_mesh *whole)
+{
+    for (uint64_t i = 0; i < w->triangles; i++) {
+        uint64_t const place = w->order[i], p = part_of(start, w->part_count, place);
+        const uint32_t *const from = w->parts[p].triangles + 3 * (place - start[p]);
+        for (int32_t c = 0; c < 3; c++) whole->triangles[3 * i + (uint64_t)c] = w->renumber[vertex_start[p] + from[c]];
+        whole->triangle_keys[i] = w->keys[i];
+    }
+}
+
+static uint64_t count_different(const uint64_t *keys, uint64_t n)
+{
+    uint64_t different = n != 0;
+    for (uint64_t i = 1; i < n; i++) different += keys[i] != keys[i - 1];
+    return different;
+}
+
+static bvx_status open_whole(bvx_context *ctx, const merge_work *w, uint64_t vertices, bvx_mesh *whole)
+{
+    bvx_status status;
+    memset(whole, 0, sizeof *whole);
+    whole->owned = 1;
+    whole->position_type = w->parts[0].position_type;
+    memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
+    whole->vertex_count = whole->vertex_capacity = vertices;
+    whole->triangle_count = whole->triangle_capacity = w->triangles;
+    status = bvxi_alloc(ctx, BVXI_RESULT, vertices * (whole->position_type == BVX_F32 ? 12 : 24), "the merged positions", &whole->positions);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, w->triangles * 12, "the merged triangles", &whole->triangles);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, vertices * 8, "the merged vertex keys", &whole->vertex_keys);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, w->triangles * 8, "the merged triangle keys", &whole->triangle_keys);
+    if (status != BVX_OK) bvx_mesh_free(ctx, whole);
+    return status;
+}
+
+static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start, bvx_mesh *whole)
+{
+    bvx_status status;
+    BVXI_TRY(bvxi_progress(ctx, "merge", 0.0));
+    BVXI_TRY(sort_keys(ctx, w, 0));
+    start_parts(w, 0, vertex_start);
+    BVXI_TRY(open_whole(ctx, w, count_different(w->keys, w->vertices), whole));
+    merge_vertices(w, vertex_start, whole);
+    status = bvxi_progress(ctx, "merge", 0.5);
+    if (status == BVX_OK) status = sort_keys(ctx, w, 1);
+    if (status != BVX_OK) {
+        bvx_mesh_free(ctx, whole);
+        return status;
+    }
+    start_parts(w, 1, start);
+    merge_triangles(w, start, vertex_start, whole);
+    return BVX_OK;
+}
+
+bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole)
+{
+    merge_work w = {0};
+    uint64_t *start = NULL;
+    bvx_mesh made;
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (parts == NULL || whole == NULL) return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
+    if (part_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: there are no parts", merge_name);
+    if (whole->positions != NULL || whole->triangles != NULL)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: whole must be empty", merge_name);
+    w.parts = parts;
+    w.part_count = part_count;
+    BVXI_TRY(check_parts(context, &w));
+    status = bvxi_alloc(context, BVXI_SCRATCH, w.entries * 8, "the keys", &w.keys);
+    if (status == BVX_OK) status = bvxi_alloc(context, BVXI_SCRATCH, w.entries * 4, "the order", &w.order);
+    if (status == BVX_OK) status = bvxi_alloc(context, BVXI_SCRATCH, w.vertices * 4, "the new numbers", &w.renumber);
+    if (status == BVX_OK) status = bvxi_alloc(context, BVXI_SCRATCH, part_count * 16, "the parts' places", &start);
+    if (status == BVX_OK) status = merge_parts(context, &w, start, start + part_count, &made);
+    bvxi_free(context, start, part_count * 16);
+    bvxi_free(context, w.renumber, w.vertices * 4);
+    bvxi_free(context, w.order, w.entries * 4);
+    bvxi_free(context, w.keys, w.entries * 8);
+    if (status == BVX_OK) *whole = made;
+    return status;
+}
