@@ -1,0 +1,94 @@
+/* downsample.c - the samples' places and weights along each axis.
+ *
+ * All rational, so that no rounding moves a sample: in units of 1/(2r) of a voxel sample i stands at (2i + 1) n from the
+ * grid's corner, which is (2i + 1) n - r from the first centre. Placing each sample in the middle of its own stretch makes
+ * the samples' boxes tile the grid, so the model neither shifts nor shrinks. */
+#include "grid/downsample.h"
+
+static int32_t *take_table(int32_t **from, int32_t count)
+{
+    int32_t *const t = *from;
+    *from += count;
+    return t;
+}
+
+static void fill_axis(bvxi_sample_axis *a, int32_t **memory)
+{
+    int64_t const n = a->n, r = a->r;
+    a->at = take_table(memory, a->count);
+    a->high = take_table(memory, a->count);
+    a->begin = take_table(memory, a->count);
+    a->end = take_table(memory, a->count);
+    a->first = take_table(memory, a->count);
+    a->last = take_table(memory, a->count);
+    for (int32_t i = 0; i < a->count; i++) {
+        int64_t const centre = (2 * (int64_t)i + 1) * n - r; /* >= 0, as n >= r */
+        int64_t const low = i * n, up = (i + (int64_t)1) * n;
+        a->at[i] = (int32_t)(centre / (2 * r));
+        a->high[i] = (int32_t)(centre % (2 * r));
+        a->begin[i] = (int32_t)(low / r);
+        a->end[i] = (int32_t)((up + r - 1) / r);
+        a->first[i] = (int32_t)((a->begin[i] + (int64_t)1) * r - low);
+        a->last[i] = (int32_t)(up - (a->end[i] - (int64_t)1) * r);
+        if (a->end[i] - a->begin[i] == 1) a->first[i] = (int32_t)n; /* n = r: the voxel is the box */
+    }
+}
+
+static bvx_status open_coarse(bvx_context *ctx, const char *function, bvxi_downsample *d)
+{
+    const bvx_grid *const fine = d->fine;
+    double origin[3], spacing[3];
+    int32_t dims[3];
+    bvx_lattice lattice;
+    for (int32_t a = 0; a < 3; a++) {
+        origin[a] = fine->lattice.origin[a] + (double)fine->low[a] * fine->lattice.spacing[a];
+        spacing[a] = fine->lattice.spacing[a] * d->axis[a].n / d->axis[a].r;
+        dims[a] = d->axis[a].count;
+    }
+    BVXI_TRY(bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
+    (void)function;
+    return bvx_grid_create(ctx, &lattice, NULL, &d->coarse);
+}
+
+bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine, const int32_t n[3],
+                                const int32_t r[3], double threshold, int32_t edge_samples, bvxi_downsample *d)
+{
+    int32_t *memory;
+    uint64_t entries = 0;
+    bvx_status status;
+    memset(d, 0, sizeof *d);
+    d->fine = fine;
+    d->threshold = (int32_t)(threshold * 65536.0 + 0.5);
+    if (d->threshold < 1) d->threshold = 1;
+    if (d->threshold > 65535) d->threshold = 65535;
+    d->edge_samples = edge_samples;
+    d->cpu = bvxi_cpu(ctx);
+    for (int32_t a = 0; a < 3; a++) {
+        bvxi_sample_axis *const axis = &d->axis[a];
+        if (n[a] > BVXI_DOWNSAMPLE_SIDE)
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: levels are made of grids up to %d voxels along an axis, this one has %d", function,
+                             (int64_t)BVXI_DOWNSAMPLE_SIDE, (int64_t)n[a]);
+        axis->n = n[a];
+        axis->r = r[a];
+        axis->voxels = fine->size[a];
+        axis->count = (int32_t)(((int64_t)fine->size[a] * r[a] + n[a] - 1) / n[a]);
+        entries += (uint64_t)axis->count * 6;
+    }
+    d->table_bytes = entries * sizeof *d->tables;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, d->table_bytes, "the samples' places", &d->tables));
+    memory = d->tables;
+    for (int32_t a = 0; a < 3; a++) fill_axis(&d->axis[a], &memory);
+    d->pieces = bvxi_piece_count((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, 16);
+    status = open_coarse(ctx, function, d);
+    if (status != BVX_OK) bvxi_downsample_close(ctx, d);
+    return status;
+}
+
+void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d)
+{
+    uint64_t const samples = (uint64_t)d->axis[0].count * (uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count;
+    bvxi_free(ctx, d->value, samples * sizeof *d->value);
+    if (d->coarse.words != NULL) bvx_grid_free(ctx, &d->coarse);
+    bvxi_free(ctx, d->tables, d->table_bytes);
+    memset(d, 0, sizeof *d);
+}

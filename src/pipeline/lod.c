@@ -1,0 +1,220 @@
+/* lod.c - a chain of meshes from one solid: bvx_build_lods.
+ *
+ * Source: "LOD by voxelization and downsampling". The solid is sampled at each level's resolution (extended.c or
+ * coverage.c), marching cubes runs over the samples' bits (march.c), and each crossed edge asks its ratio once. A level by
+ * triangle count searches the resolution: it counts without making positions, guesses from triangles ~ resolution^2, and
+ * ends at neighbours of which one keeps the target and the next does not. */
+#include "grid/downsample.h"
+#include "surface/march.h"
+
+#include <math.h>
+
+static const char lod_name[] = "bvx_build_lods";
+static const bvx_lod_options lod_defaults = {
+    0, BVX_LOD_EDGE_RATIO, 0, 0.5, NULL, NULL, NULL, 0, BVX_FACE_SEPARATE, BVX_F32, 0, 0, NULL};
+
+void bvx_lod_options_init(bvx_lod_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &lod_defaults, sizeof lod_defaults);
+}
+
+typedef struct lod_job {
+    const bvx_grid *solid;
+    const bvx_lod_options *options;
+    uint64_t level;
+    uint64_t searched;
+} lod_job;
+
+/* ---- what is asked for ---- */
+
+static int32_t longest_side(const bvx_grid *g)
+{
+    int32_t n = g->size[0];
+    if (g->size[1] > n) n = g->size[1];
+    if (g->size[2] > n) n = g->size[2];
+    return n;
+}
+
+static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o, uint64_t level_count)
+{
+    for (uint64_t l = 0; l < level_count; l++) {
+        for (int32_t a = 0; a < 3; a++) {
+            int32_t const n = o->resolutions != NULL ? longest_side(solid) : solid->size[a];
+            int32_t const r = o->resolutions != NULL ? o->resolutions[l] : o->axis_resolutions[3 * l + (uint64_t)a];
+            if (r < 1 || r > n)
+                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for a resolution of %d; 1 to %d, the grid's own, are possible",
+                                 lod_name, l, (int64_t)r, (int64_t)n);
+        }
+    }
+    return BVX_OK;
+}
+
+static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o, uint64_t level_count)
+{
+    if (o->method != BVX_LOD_EDGE_RATIO && o->method != BVX_LOD_COVERAGE)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: method %d is unknown", lod_name, (int64_t)o->method);
+    if (!(o->threshold > 0 && o->threshold < 1))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
+    if (o->edge_samples < 0 || o->edge_samples > 65536)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %d edge samples are outside 0 to 65536", lod_name, (int64_t)o->edge_samples);
+    if (o->edge_samples != 0 && o->method != BVX_LOD_EDGE_RATIO)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: edge_samples belongs to BVX_LOD_EDGE_RATIO alone", lod_name);
+    if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolutions, axis_resolutions and target_triangles", lod_name);
+    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", lod_name);
+    if (level_count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: no level is asked for", lod_name);
+    return o->target_triangles != NULL ? BVX_OK : check_resolutions(ctx, solid, o, level_count);
+}
+
+/* Ratio n/r of each axis: one for all from the longest side, or each axis its own. */
+static void level_ratio(const lod_job *job, int32_t resolution, int32_t n[3], int32_t r[3])
+{
+    const bvx_lod_options *const o = job->options;
+    for (int32_t a = 0; a < 3; a++) {
+        n[a] = o->axis_resolutions != NULL ? job->solid->size[a] : longest_side(job->solid);
+        r[a] = o->axis_resolutions != NULL ? o->axis_resolutions[3 * job->level + (uint64_t)a] : resolution;
+    }
+}
+
+/* ---- one level ---- */
+
+typedef struct level_work {
+    bvxi_downsample samples;
+    bvxi_march march;
+} level_work;
+
+/* Sample and count; close_level in any case. */
+static bvx_status open_level(bvx_context *ctx, const lod_job *job, int32_t resolution, int count_only, level_work *w)
+{
+    const bvx_lod_options *const o = job->options;
+    bvx_extract_options extract;
+    int32_t n[3], r[3];
+    memset(w, 0, sizeof *w);
+    w->march.function = lod_name;
+    level_ratio(job, resolution, n, r);
+    BVXI_TRY(bvxi_downsample_open(ctx, lod_name, job->solid, n, r, o->threshold, o->edge_samples, &w->samples));
+    if (o->method == BVX_LOD_EDGE_RATIO) BVXI_TRY(bvxi_extended_sample(ctx, &w->samples));
+    else BVXI_TRY(bvxi_coverage_sample(ctx, &w->samples, !count_only));
+    bvx_extract_options_init(&extract, sizeof extract);
+    extract.face_rule = o->face_rule;
+    extract.position_type = o->position_type;
+    extract.local_frame = o->local_frame;
+    w->march.ratio = o->method == BVX_LOD_EDGE_RATIO ? bvxi_extended_ratio : bvxi_coverage_ratio;
+    w->march.ratio_user = &w->samples;
+    return bvxi_march_open(ctx, &w->march, &w->samples.coarse, &extract);
+}
+
+static void close_level(bvx_context *ctx, level_work *w)
+{
+    bvxi_march_close(ctx, &w->march);
+    bvxi_downsample_close(ctx, &w->samples);
+}
+
+static bvx_status count_level(bvx_context *ctx, lod_job *job, int32_t resolution, uint64_t *triangles)
+{
+    level_work w;
+    bvx_status const status = open_level(ctx, job, resolution, 1, &w);
+    *triangles = w.march.triangle_count;
+    close_level(ctx, &w);
+    job->searched++;
+    return status;
+}
+
+static void report_level(const lod_job *job, const level_work *w)
+{
+    bvx_lod_report *report;
+    if (job->options->reports == NULL) return;
+    report = &job->options->reports[job->level];
+    memset(report, 0, sizeof *report);
+    for (int32_t a = 0; a < 3; a++) {
+        report->resolution[a] = w->samples.axis[a].count;
+        report->ratio[a] = (double)w->samples.axis[a].n / w->samples.axis[a].r;
+    }
+    report->vertices = w->march.vertex_count;
+    report->triangles = w->march.triangle_count;
+    report->searched = job->searched;
+    report->exceeds_source = job->options->source_triangles != 0 && w->march.triangle_count > job->options->source_triangles;
+}
+
+static bvx_status make_level(bvx_context *ctx, const lod_job *job, int32_t resolution, bvx_mesh *mesh)
+{
+    level_work w;
+    bvx_status status = open_level(ctx, job, resolution, 0, &w);
+    if (status == BVX_OK && w.march.triangle_count == 0)
+        status = bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %u, %d x %d x %d samples, keeps nothing of the solid", lod_name, job->level,
+                           (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count, (int64_t)w.samples.axis[2].count);
+    if (status == BVX_OK) status = bvxi_march_fill(ctx, &w.march, mesh);
+    if (status == BVX_OK) report_level(job, &w);
+    close_level(ctx, &w);
+    return status;
+}
+
+/* ---- the resolution for a triangle count ---- */
+
+/* Where triangles ~ resolution^2 puts the target between two resolutions; the middle when that has stopped helping. */
+static int32_t guess_between(int32_t low, uint64_t low_count, int32_t high, uint64_t high_count, uint64_t target, uint64_t tries)
+{
+    double const a = sqrt((double)low_count), b = sqrt((double)high_count), t = sqrt((double)target);
+    int32_t guess = low + (high - low) / 2;
+    if (tries < 6 && b > a) guess = low + (int32_t)((double)(high - low) * ((t - a) / (b - a)));
+    return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
+}
+
+static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *resolution)
+{
+    uint64_t const target = job->options->target_triangles[job->level];
+    int32_t low = 0, high = longest_side(job->solid) + 1; /* low keeps the target, high does not (or is no resolution) */
+    uint64_t low_count = 0, high_count = 0, tries = 0;
+    int32_t guess = high - 1 < 32 ? high - 1 : 32;
+    job->searched = 0;
+    while (high - low > 1) {
+        uint64_t count;
+        BVXI_TRY(count_level(ctx, job, guess, &count));
+        if (count <= target) {
+            low = guess;
+            low_count = count;
+        } else {
+            high = guess;
+            high_count = count;
+        }
+        if (high_count != 0 || low == 0) {
+            guess = guess_between(low, low_count, high, high_count, target, tries++);
+        } else { /* nothing above yet: from here outwards, a little beyond the guess to find the other side */
+            double const scale = sqrt((double)target / (double)(low_count != 0 ? low_count : 1)) * 1.03;
+            double const next = (double)low * (scale < 2 ? scale : 2) + 1;
+            guess = next < (double)high ? (int32_t)next : high - 1;
+            if (guess <= low) guess = low + 1;
+        }
+    }
+    if (low_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; the coarsest level that keeps anything has %u",
+                         lod_name, job->level, target, high_count);
+    *resolution = low;
+    return BVX_OK;
+}
+
+bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
+                          uint64_t level_count, bvx_mesh *levels)
+{
+    bvx_lod_options o = lod_defaults;
+    lod_job job = {0};
+    bvx_status status = BVX_OK;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (levels == NULL) return bvxi_fail_null(context, lod_name, "levels");
+    BVXI_TRY(bvxi_take_options(context, lod_name, options, &o, sizeof o));
+    BVXI_TRY(bvxi_grid_check(context, lod_name, solid));
+    BVXI_TRY(check_lod_options(context, solid, &o, level_count));
+    job.solid = solid;
+    job.options = &o;
+    for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++) {
+        int32_t resolution = o.resolutions != NULL ? o.resolutions[job.level] : 0;
+        if (o.target_triangles != NULL) status = search_resolution(context, &job, &resolution);
+        if (status == BVX_OK) status = make_level(context, &job, resolution, &levels[job.level]);
+    }
+    if (status == BVX_OK) return BVX_OK;
+    for (uint64_t l = 0; l < level_count; l++) { /* what the library made goes; arrays of the caller's stay his */
+        if (levels[l].owned) bvx_mesh_free(context, &levels[l]);
+        else levels[l].vertex_count = levels[l].triangle_count = 0;
+    }
+    return status;
+}
