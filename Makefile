@@ -1,0 +1,196 @@
+# Makefile of bitvox; `make help` lists the targets.
+#
+# Needs a C compiler, GNU make and a POSIX shell. OpenMP and zlib (for the program alone) are used where a test compile
+# finds them; OPENMP=0 and ZLIB=0 leave them out. Objects live in a folder named after a hash of the compiler and its
+# flags, so other flags never mix with them: make CC=clang CFLAGS='-O0 -g' is always right, and so is going back.
+
+CFLAGS ?= -O3
+BUILD ?= build
+UNITY_DIR ?= $(BUILD)/unity
+OPENMP ?= 1
+ZLIB ?= 1
+WERROR ?= 0
+DEMO ?= $(firstword $(wildcard fixtures/demo.stl fixtures/demo.ply fixtures/demo.obj))
+
+.SUFFIXES:
+.SECONDARY:
+.DELETE_ON_ERROR:
+.PHONY: all help demo test test-quick deps san golden bench clean force \
+        print-folder library program test-programs fault-programs fuzz-programs bench-programs row-products
+
+all: library program
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
+	@echo "  variables: CC CFLAGS CPPFLAGS LDFLAGS BUILD OPENMP=0 ZLIB=0 WERROR=1 V=1 (show commands)"
+
+clean: ## remove everything that was built
+	rm -rf $(BUILD)
+
+ifneq ($(filter-out help clean,$(or $(MAKECMDGOALS),all)),)
+
+# ---- What this compiler can do ----
+
+comma := ,
+sharp := \#
+quote = '$(subst ','\'',$(1))'
+# $(call compiles,FLAGS,LINES): "yes" when the program of these quoted lines compiles and links without a warning
+compiles = $(shell mkdir -p $(BUILD) && probe=$(BUILD)/probe-$$$$ && { printf '%s\n' $(2) | \
+    $(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) -Werror -x c - -o $$probe $(1) >/dev/null 2>&1 && echo yes; rm -f $$probe*; })
+# $(call accepts,FLAGS): the flags, when the compiler takes them
+accepts = $(if $(call compiles,$(1),'int main(void) { return 0; }'),$(1))
+
+loose := $(filter -ffast-math -Ofast -funsafe-math-optimizations -fassociative-math -freciprocal-math \
+    -ffinite-math-only -fno-signed-zeros -mfpmath=387,$(CC) $(CPPFLAGS) $(CFLAGS))
+ifneq ($(loose),)
+$(error $(loose) would change results; bitvox keeps its promises only without it)
+endif
+
+openmp :=
+ifneq ($(OPENMP),0)
+ifeq ($(call compiles,-fopenmp,'$(sharp)include <omp.h>' 'int main(void) { return omp_get_max_threads() < 1; }'),yes)
+openmp := -fopenmp
+endif
+endif
+
+zlib :=
+ifneq ($(ZLIB),0)
+ifeq ($(call compiles,-lz,'$(sharp)include <zlib.h>' 'int main(void) { return zlibVersion() == 0; }'),yes)
+zlib := -lz
+endif
+endif
+
+# The house's flags come after the caller's, so an injected -std or -ffp-contract does not win.
+# excess-precision: s390x computes floats in double without it; sse: 32-bit x86 would use the x87.
+# math-errno and trapping-math change no value, they let sqrt and floor be single instructions.
+exact := -ffp-contract=off $(call accepts,-fexcess-precision=fast) $(call accepts,-msse2 -mfpmath=sse) \
+    $(call accepts,-fno-math-errno -fno-trapping-math)
+strict := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion
+base := $(CPPFLAGS) $(CFLAGS) $(strict) $(exact) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc
+libs := $(openmp) -lm
+
+soname := libbitvox.so.$(shell sed -n 's/^.define BVX_VERSION_MAJOR //p' include/bitvox.h)
+link_shared := -shared $(call accepts,-Wl$(comma)-soname$(comma)$(soname))
+
+key := $(CC) $(shell $(CC) --version 2>/dev/null | head -n 1) $(base) $(LDFLAGS) $(libs) $(zlib) $(WERROR)
+folder := $(BUILD)/$(shell printf '%s' $(call quote,$(key)) | cksum | cut -d ' ' -f 1)
+
+# ---- Files ----
+
+core_sources := $(sort $(filter-out src/cli/%,$(wildcard src/*/*.c)))
+cli_sources := $(sort $(wildcard src/cli/*.c))
+unit_tests := $(sort $(wildcard tests/unit/test_*.c))
+fault_tests := $(sort $(wildcard tests/fault/test_*.c))
+golden_tests := $(wildcard tests/golden/golden.c)
+fuzz_tests := $(sort $(wildcard tests/fuzz/fuzz_*.c))
+examples := $(sort $(wildcard tests/examples/*.c))
+benches := $(sort $(wildcard tests/bench/*.c))
+
+built = $(patsubst %.c,$(folder)/%$(1),$(2))
+core_objects := $(call built,.o,$(core_sources))
+cli_objects := $(call built,.o,$(cli_sources))
+archive := $(folder)/libbitvox.a
+
+say = $(if $(V),,@echo "  $(1)  $(2)";)
+link = $(call say,LINK,$@) $(CC) $(CFLAGS) $(LDFLAGS)
+
+# ---- Libraries and program ----
+
+library: $(BUILD)/libbitvox.a $(BUILD)/libbitvox.so ## build/libbitvox.a and build/libbitvox.so
+program: $(if $(cli_sources),$(BUILD)/bitvox) ## build/bitvox
+
+# A product is copied out of the folder only when it differs.
+$(BUILD)/libbitvox.a $(BUILD)/libbitvox.so $(BUILD)/bitvox: $(BUILD)/%: $(folder)/% force
+	@cmp -s $< $@ || cp -f $< $@
+	@$(if $(filter %.so,$@),ln -sf $(@F) $(BUILD)/$(soname))
+
+# Rewritten when a source is added or removed, so that the library is made anew then.
+$(folder)/sources: force
+	@mkdir -p $(@D); echo '$(core_sources)' | cmp -s - $@ || echo '$(core_sources)' >$@
+
+$(archive): $(core_objects) $(folder)/sources
+	$(call say,AR  ,$@) rm -f $@ && $(AR) rcs $@ $(core_objects)
+
+$(folder)/libbitvox.so: $(core_objects) $(folder)/sources
+	$(link) $(link_shared) $(core_objects) -o $@ $(libs)
+
+$(folder)/bitvox: $(cli_objects) $(archive)
+	$(link) $(cli_objects) $(archive) -o $@ $(libs) $(zlib)
+
+# Make hands a target's variables on to what it is made from; flags is set for all sources, so none come from a test.
+$(folder)/src/%: errors = -Werror
+$(folder)/src/%: flags =
+$(folder)/src/core/openmp.o: flags = $(openmp)
+$(folder)/src/cli/%: flags = $(if $(zlib),-DBVX_HAVE_ZLIB)
+
+$(folder)/%.o: %.c
+	@mkdir -p $(@D)
+	$(call say,CC  ,$<) $(CC) $(base) $(flags) $(if $(filter-out 0,$(WERROR)),$(errors)) -c $< -o $@
+
+# ---- Test programs (linked with the static library, so that they reach internal functions too) ----
+
+unity_defines := -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
+$(folder)/tests/%: flags = -Itests
+$(folder)/tests/unit/%: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines)
+$(folder)/tests/fuzz/%: flags = -Itests -DBVX_FUZZ_MAIN
+$(folder)/tests/fault/%: test_libs = -lcmocka
+
+test-programs: $(call built,,$(unit_tests) $(golden_tests) $(examples))
+fault-programs: $(call built,,$(fault_tests))
+fuzz-programs: $(call built,,$(fuzz_tests))
+bench-programs: $(call built,,$(benches))
+
+# What a row of the tests compiles to see that it does; the published products stay as they are.
+row-products: $(archive) $(folder)/libbitvox.so $(if $(cli_sources),$(folder)/bitvox) $(call built,,$(golden_tests))
+
+$(UNITY_DIR)/unity.c:
+	@sh tests/tools/get_unity.sh $(UNITY_DIR)
+
+$(folder)/unity.o: $(UNITY_DIR)/unity.c
+	@mkdir -p $(@D)
+	$(call say,CC  ,$<) $(CC) $(base) $(unity_defines) -w -c $< -o $@
+
+$(call built,.o,$(unit_tests)): | $(UNITY_DIR)/unity.c
+
+$(folder)/tests/unit/%: $(folder)/tests/unit/%.o $(folder)/unity.o $(archive)
+	$(link) $^ -o $@ $(libs)
+
+$(folder)/tests/%: $(folder)/tests/%.o $(archive)
+	$(link) $^ -o $@ $(test_libs) $(libs)
+
+-include $(patsubst %.c,$(folder)/%.d,$(core_sources) $(cli_sources) $(unit_tests) $(fault_tests) $(golden_tests) \
+    $(fuzz_tests) $(examples) $(benches))
+
+print-folder:
+	@echo $(folder)
+
+# ---- Running ----
+
+environment = MAKE_COMMAND='$(MAKE_COMMAND)' $(foreach v,BUILD UNITY_DIR CC CPPFLAGS CFLAGS LDFLAGS OPENMP ZLIB,\
+    $(v)=$(call quote,$($(v))))
+
+demo: all ## a chain of meshes from a bundled fixture, with a table and a picture
+	@mkdir -p $(BUILD)/demo
+	$(BUILD)/bitvox lod $(DEMO) -o $(BUILD)/demo/level_%d.ply
+	$(BUILD)/bitvox render $(BUILD)/demo/level_*.ply -o $(BUILD)/demo/levels.png
+	@echo "meshes: $(BUILD)/demo/level_*.ply, picture: $(BUILD)/demo/levels.png"
+
+deps: ## install what the tests need (apt, as root)
+	@sh tests/tools/deps.sh
+
+test: deps ## all tests; ends with "N passed, N failed"
+	@$(environment) sh tests/tools/run_tests.sh full
+
+test-quick: ## the tests of this machine and compiler alone
+	@$(environment) sh tests/tools/run_tests.sh quick
+
+san: ## unit, fault and fuzz tests under ASan and UBSan
+	@$(environment) sh tests/tools/run_tests.sh san
+
+golden: $(call built,,$(golden_tests)) $(BUILD)/libbitvox.so ## recompute golden files and show what changed
+	@sh tests/tools/rewrite_golden.sh $(call built,,$(golden_tests)) $(BUILD)
+
+bench: all bench-programs ## speed and memory beside other libraries
+	@BITVOX=$(BUILD)/bitvox BENCHES=$(folder)/tests/bench sh tests/bench/run.sh
+
+endif

@@ -1,0 +1,237 @@
+/* golden.c - recompute the golden values and compare them with fixtures/golden/.
+ *
+ *   golden [--threads N] [--portable]   compare; one line a difference; the last line is "N passed, N failed"
+ *   golden --write                      store what is computed now (make golden, which also shows the difference)
+ *
+ * A golden file holds one line a case: its name, then key=value pairs. A case computes its values and hands them to
+ * golden_u64, golden_hex or golden_text between golden_begin and golden_end; a group of cases is one function and one
+ * file. The same values must come out on every machine, compiler and thread count, so a value depends on none. */
+#include "bitvox.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_LINE = 2048, MAX_LINES = 1024 };
+
+typedef struct golden {
+    bvx_context *context;
+    FILE *out;                /* where lines go with --write; NULL: compare */
+    char *stored[MAX_LINES];  /* lines of the file, in order */
+    int used[MAX_LINES];      /* 1: a case has met this line */
+    int stored_count;
+    char line[MAX_LINE];      /* the case being made */
+    int passed, failed;
+} golden;
+
+static void append(golden *g, const char *text)
+{
+    size_t const used = strlen(g->line);
+    if (used + strlen(text) >= sizeof g->line) {
+        fprintf(stderr, "golden: a line is too long: %.60s\n", g->line);
+        exit(2);
+    }
+    memcpy(g->line + used, text, strlen(text) + 1);
+}
+
+static void golden_begin(golden *g, const char *name)
+{
+    g->line[0] = 0;
+    append(g, name);
+}
+
+static void golden_text(golden *g, const char *key, const char *value)
+{
+    append(g, " ");
+    append(g, key);
+    append(g, "=");
+    append(g, value);
+}
+
+static void golden_u64(golden *g, const char *key, uint64_t value)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%" PRIu64, value);
+    golden_text(g, key, text);
+}
+
+static void golden_hex(golden *g, const char *key, uint64_t value)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%016" PRIx64, value);
+    golden_text(g, key, text);
+}
+
+static int same_name(const char *a, const char *b)
+{
+    size_t const n = strcspn(a, " ");
+    return n == strcspn(b, " ") && memcmp(a, b, n) == 0;
+}
+
+static void golden_end(golden *g)
+{
+    int at = 0;
+    if (g->out != NULL) {
+        fprintf(g->out, "%s\n", g->line);
+        return;
+    }
+    while (at < g->stored_count && (g->used[at] || !same_name(g->stored[at], g->line))) at++;
+    if (at == g->stored_count) {
+        printf("FAIL not stored: %s\n", g->line);
+        g->failed++;
+        return;
+    }
+    g->used[at] = 1;
+    if (strcmp(g->stored[at], g->line) == 0) {
+        g->passed++;
+    } else {
+        printf("FAIL stored: %s\n     now:    %s\n", g->stored[at], g->line);
+        g->failed++;
+    }
+}
+
+/* A call that fails is a difference too: the line then holds the status and why. Returns 1 when the call was good. */
+static int golden_good(golden *g, bvx_status status)
+{
+    if (status == BVX_OK) return 1;
+    golden_text(g, "status", bvx_status_text(status));
+    golden_text(g, "message", bvx_last_message(g->context));
+    return 0;
+}
+
+/* ---- Cases ---- */
+
+static void hash_cases(golden *g)
+{
+    static const char digits[] = "123456789";
+    golden_begin(g, "empty");
+    golden_hex(g, "hash", bvx_hash(digits, 0, 0));
+    golden_end(g);
+    golden_begin(g, "one_word");
+    golden_hex(g, "hash", bvx_hash(digits, 8, 0));
+    golden_end(g);
+    golden_begin(g, "word_and_rest");
+    golden_hex(g, "hash", bvx_hash(digits, 9, 0));
+    golden_hex(g, "seeded", bvx_hash(digits, 9, UINT64_C(0x0123456789abcdef)));
+    golden_end(g);
+}
+
+/* A sheared pattern over a window that starts within a word of its lattice. */
+static void grid_cases(golden *g)
+{
+    static const double origin[3] = {-1.5, 0.25, 10.0}, spacing[3] = {0.5, 0.25, 1.0};
+    static const int32_t dims[3] = {200, 9, 7};
+    static const bvx_window window = {{30, 1, 2}, {130, 7, 4}};
+    bvx_lattice lattice;
+    bvx_grid grid = {0};
+    uint64_t count = 0, hash = 0;
+    golden_begin(g, "pattern_in_window");
+    if (golden_good(g, bvx_lattice_make(g->context, origin, spacing, dims, &lattice)) &&
+        golden_good(g, bvx_grid_create(g->context, &lattice, &window, &grid))) {
+        for (int32_t z = 0; z < 4; z++)
+            for (int32_t y = 0; y < 7; y++)
+                for (int32_t x = 0; x < 130; x++) bvx_grid_set(&grid, x, y, z, (x + 3 * y + 5 * z) % 11 < 4);
+        if (golden_good(g, bvx_grid_count(g->context, &grid, &count)) &&
+            golden_good(g, bvx_grid_hash(g->context, &grid, &hash))) {
+            golden_u64(g, "set", count);
+            golden_hex(g, "bits", hash);
+        }
+    }
+    golden_end(g);
+    bvx_grid_free(g->context, &grid);
+}
+
+static const struct {
+    const char *file;
+    void (*run)(golden *g);
+} groups[] = {
+    {"hash", hash_cases},
+    {"grid", grid_cases},
+};
+
+/* ---- Files ---- */
+
+static void read_stored(golden *g, const char *path)
+{
+    char line[MAX_LINE];
+    FILE *const file = fopen(path, "r");
+    g->stored_count = 0;
+    if (file == NULL) return;
+    while (fgets(line, sizeof line, file) != NULL && g->stored_count < MAX_LINES) {
+        size_t const size = strcspn(line, "\r\n");
+        char *const kept = malloc(size + 1);
+        if (kept == NULL) exit(2);
+        memcpy(kept, line, size);
+        kept[size] = 0;
+        if (size == 0) {
+            free(kept);
+            continue;
+        }
+        g->used[g->stored_count] = 0;
+        g->stored[g->stored_count++] = kept;
+    }
+    fclose(file);
+}
+
+/* Lines that no case meets any more are differences too. */
+static void end_stored(golden *g)
+{
+    for (int i = 0; i < g->stored_count; i++) {
+        if (!g->used[i]) {
+            printf("FAIL stored, but no case makes it: %s\n", g->stored[i]);
+            g->failed++;
+        }
+        free(g->stored[i]);
+    }
+}
+
+static int run_groups(golden *g, int write)
+{
+    for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++) {
+        char path[256];
+        snprintf(path, sizeof path, "fixtures/golden/%s.txt", groups[i].file);
+        if (!write) {
+            read_stored(g, path);
+            groups[i].run(g);
+            end_stored(g);
+            continue;
+        }
+        g->out = fopen(path, "w");
+        if (g->out == NULL) {
+            fprintf(stderr, "golden: cannot write %s; run it from the top folder\n", path);
+            return 1;
+        }
+        groups[i].run(g);
+        if (fclose(g->out) != 0) return 1;
+    }
+    if (!write) printf("%d passed, %d failed\n", g->passed, g->failed);
+    return g->failed != 0;
+}
+
+int main(int argc, char **argv)
+{
+    static golden g;
+    bvx_context_options options;
+    int write = 0, result;
+    bvx_context_options_init(&options, sizeof options);
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--write") == 0) {
+            write = 1;
+        } else if (strcmp(argv[i], "--portable") == 0) {
+            options.cpu = BVX_CPU_PORTABLE;
+        } else if (strcmp(argv[i], "--threads") == 0 && i + 1 < argc) {
+            options.threads = (int32_t)strtol(argv[++i], NULL, 10);
+        } else {
+            fprintf(stderr, "usage: golden [--write] [--threads N] [--portable]\n");
+            return 2;
+        }
+    }
+    if (bvx_context_create(&options, &g.context) != BVX_OK) {
+        fprintf(stderr, "golden: no context\n");
+        return 2;
+    }
+    result = run_groups(&g, write);
+    bvx_context_destroy(g.context);
+    return result;
+}

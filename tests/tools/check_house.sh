@@ -1,0 +1,155 @@
+#!/bin/sh
+# check_house.sh FOLDER - checks of the header, the sources and the built libraries; FOLDER holds the objects that they
+# were made from. Each check counts as one test.
+set -u
+: "${BUILD:=build}" "${CC:=cc}" "${MAKE_COMMAND:=make}"
+objects=$1
+work=$BUILD/house
+rm -rf "$work"
+mkdir -p "$work"
+. tests/tools/counting.sh
+
+strict='-pedantic -Wall -Wextra -Wshadow -Wconversion -Werror'
+core=$(find src -name '*.c' ! -path 'src/cli/*' | LC_ALL=C sort)
+core_files=$(find src -name '*.[ch]' ! -path 'src/cli/*' | LC_ALL=C sort)
+
+needs() { # TOOL: leave the check as skipped when it is missing
+    command -v "$1" >/dev/null 2>&1 && return
+    echo "$1 is missing"
+    exit 77
+}
+
+empty() { # FILE, WHAT ITS LINES ARE: the check holds when there are none
+    [ -s "$1" ] || return 0
+    sed "s|^|error: $2 |" "$1"
+    return 1
+}
+
+# ---- header ----
+
+header_as() { # COMPILER, FLAGS...
+    (
+        needs "$1"
+        echo '#include "bitvox.h"' >"$work/alone.c"
+        # shellcheck disable=SC2086
+        "$@" $strict -Iinclude -c "$work/alone.c" -o "$work/alone.o"
+    )
+}
+
+# Every function that the header declares is exported, and nothing else is.
+exports_the_header() {
+    tr '\n' ' ' <include/bitvox.h | grep -o 'BVX_API [^(;]*(' | grep -o 'bvx_[a-z0-9_]*($' | tr -d '(' |
+        LC_ALL=C sort -u >"$work/declared.txt"
+    [ -s "$work/declared.txt" ] || return 1
+    sh tests/tools/list_symbols.sh "$BUILD/libbitvox.so" | diff -u "$work/declared.txt" -
+}
+
+# The C example of the README is a whole program; it compiles and links as it stands there.
+readme_example() {
+    if [ ! -f README.md ]; then echo "there is no README.md" && exit 77; fi
+    awk '/^```c$/ { on = 1; next } /^```/ { if (on) exit } on' README.md >"$work/readme.c"
+    [ -s "$work/readme.c" ] || return 1
+    # shellcheck disable=SC2086
+    $CC -std=c99 -Wall -Wextra -Werror -Iinclude "$work/readme.c" "$BUILD/libbitvox.so" -lm -o "$work/readme"
+}
+
+# ---- sources ----
+
+as_one_unit() {
+    for f in $core; do echo "#include \"$PWD/$f\""; done >"$work/unit.c"
+    $CC -std=c99 -O2 -Wall -Wextra -Werror -ffp-contract=off -Iinclude -Isrc -c "$work/unit.c" -o "$work/unit.o"
+}
+
+# The core asks for nothing but these when there is no operating system; the compiler's own helpers come from libgcc.
+freestanding() {
+    needs nm
+    mkdir -p "$work/free"
+    for f in $core; do
+        $CC -std=c99 -O2 -ffreestanding -DBVX_FREESTANDING -ffp-contract=off -fno-stack-protector -U_FORTIFY_SOURCE \
+            -Iinclude -Isrc -c "$f" -o "$work/free/$(basename "$f" .c).o" || return 1
+    done
+    $CC -nostdlib -r "$work"/free/*.o -lgcc -o "$work/free.o" || return 1
+    nm -u "$work/free.o" | awk '{ print $NF }' |
+        grep -v -x -E 'memcpy|memset|memmove|memcmp|sqrt|floor|_GLOBAL_OFFSET_TABLE_' >"$work/wanted.txt"
+    empty "$work/wanted.txt" 'the core needs'
+}
+
+# heap.c and openmp.c are the files named for the C library's heap and for OpenMP; the fast paths need intrinsics.
+includes() {
+    # shellcheck disable=SC2086
+    grep -n -E '^[[:space:]]*#[[:space:]]*include[[:space:]]*<' $core_files |
+        grep -v -E '<(stddef|stdint|string|stdarg|math|immintrin|arm_neon)\.h>' |
+        grep -v -E '^src/core/heap\.c:[0-9]+:#include <stdlib\.h>|^src/core/openmp\.c:[0-9]+:#include <omp\.h>' \
+            >"$work/includes.txt"
+    empty "$work/includes.txt" 'forbidden include'
+}
+
+tables_as_generated() {
+    needs python3
+    sh tests/tools/check_tables.sh
+}
+
+file_names_unique() {
+    find src -name '*.[ch]' | sed 's|.*/||' | sort | uniq -d >"$work/twice.txt"
+    empty "$work/twice.txt" 'two files are named'
+}
+
+refuses_fast_math() {
+    "$MAKE_COMMAND" BUILD="$work/fast" CFLAGS='-O2 -ffast-math' library >"$work/fast.txt" 2>&1 && return 1
+    grep -q 'would change results' "$work/fast.txt" || return 1
+    ! $CC -std=c99 -ffast-math -Iinclude -Isrc -c src/core/status.c -o "$work/fast.o"
+}
+
+# ---- libraries ----
+
+only_stored_symbols() {
+    sh tests/tools/list_symbols.sh "$BUILD/libbitvox.so" | diff -u tests/golden/symbols.txt -
+}
+
+static_names() {
+    nm -g --defined-only "$objects/libbitvox.a" | awk 'NF == 3 && $3 !~ /^bvxi?_/ { print "error: global name " $3; bad = 1 }
+        END { exit bad }'
+}
+
+no_globals() {
+    needs size
+    size -A "$objects/libbitvox.a" | awk '/^[^ ]*\.o / { file = $1 }
+        /^\.(data|bss|tdata|tbss)/ && !/^\.data\.rel\.ro/ && $2 > 0 { print "error: " file " has " $2 " bytes in " $1; bad = 1 }
+        END { exit bad }'
+}
+
+shared_name() {
+    needs readelf
+    readelf -d "$BUILD/libbitvox.so" | grep 'soname: \[libbitvox\.so\.[0-9]*\]'
+}
+
+no_executable_stack() {
+    needs readelf
+    readelf -lW "$BUILD/libbitvox.so" | grep GNU_STACK | grep -v RWE
+}
+
+up_to_date() {
+    "$MAKE_COMMAND" --no-print-directory all | grep . && return 1
+    return 0
+}
+
+# shellcheck disable=SC2086
+check 'header alone as C99' header_as $CC -std=c99
+check 'header alone as C99 by clang' header_as clang -std=c99
+check 'header alone as C++' header_as g++ -std=c++11 -x c++
+check 'header alone as C++ by clang' header_as clang++ -std=c++11 -x c++
+check 'README example' readme_example
+check 'all sources as one unit' as_one_unit
+check 'core is freestanding' freestanding
+check 'core includes' includes
+check 'case table is what its generator prints' tables_as_generated
+check 'file names are unique' file_names_unique
+check 'fast-math is refused' refuses_fast_math
+check 'functions of the header are exported' exports_the_header
+check 'exported symbols as stored' only_stored_symbols
+check 'global names of the static library' static_names
+check 'no writable globals' no_globals
+check 'soname' shared_name
+check 'stack is not executable' no_executable_stack
+check 'a second make does nothing' up_to_date
+finish

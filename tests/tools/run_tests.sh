@@ -1,0 +1,248 @@
+#!/bin/sh
+# run_tests.sh full|quick|san - build and run the tests; the last line is "N passed, N failed[, N skipped]".
+#     quick  this compiler alone: unit, fault, golden, program, examples, checks of sources and libraries
+#     full   quick, and: golden values by other compilers and flags, readers fuzzed under sanitizers,
+#            unit tests and golden values on 32-bit x86 and on big-endian s390x
+#     san    unit, fault and fuzz tests under ASan, UBSan and the leak detector
+# Called by make, which hands over compiler and flags. A row is one build of the library and the tests run with it.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+tier=${1:-full}
+: "${BUILD:=build}" "${MAKE_COMMAND:=make}" "${CC:=cc}"
+export BUILD CC
+unset MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES
+jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
+. tests/tools/counting.sh
+
+sanitizers='-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer'
+export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1:allocator_may_return_null=1
+export UBSAN_OPTIONS=print_stacktrace=1
+export CMOCKA_MESSAGE_OUTPUT=TAP
+
+mk() { "$MAKE_COMMAND" --no-print-directory -k -j "$jobs" "$@"; }
+
+has() { command -v "$1" >/dev/null 2>&1; }
+
+compiles() { # COMPILER AND FLAGS..., program on standard input
+    "$@" -x c - -o "$logs/probe" >/dev/null 2>&1
+}
+
+# ---- Rows: each is make with its settings ----
+
+row_native() { mk "$@"; }
+row_plain() { mk CFLAGS=-O0 OPENMP=0 ZLIB=0 WERROR=1 "$@"; }
+row_fast() { mk CFLAGS=-O3 WERROR=1 "$@"; }
+row_clang() { mk CC=clang CFLAGS=-O3 WERROR=1 "$@"; }
+row_san() { mk CFLAGS="-O1 -g $sanitizers" "$@"; }
+row_i686() { mk CC="$i686" AR="$i686_ar" CFLAGS=-O2 LDFLAGS=-static OPENMP=0 ZLIB=0 WERROR=1 "$@"; }
+row_s390x() {
+    mk CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 LDFLAGS=-static OPENMP=0 ZLIB=0 WERROR=1 "$@"
+}
+
+build() { # ROW, GOALS...: sets $folder
+    row=$1
+    shift
+    folder=$("row_$row" print-folder)
+    check "$row/build $*" build_or_remove "$@"
+}
+
+# When something does not build, programs of an earlier build must not stand for it.
+build_or_remove() { # GOALS...
+    "row_$row" "$@" && return
+    find "$folder/tests" -type f ! -name '*.[od]' -exec rm -f {} + 2>/dev/null
+    "row_$row" "$@" >/dev/null 2>&1
+    return 1
+}
+
+run_kind() { # ROW, KIND, RUNNER, PROGRAM ARGUMENTS...
+    for source in tests/"$2"/*.c; do
+        program=$folder/${source%.c}
+        kind_name=$1/$2/$(basename "$source" .c)
+        if [ ! -f "$source" ]; then continue; fi
+        if [ ! -x "$program" ]; then
+            fail "$kind_name: was not built"
+            continue
+        fi
+        count "$kind_name" $3 "$program"
+    done
+}
+
+run_golden() { # ROW, RUNNER, ARGUMENTS...
+    golden_name="$1/golden"
+    runner=$2
+    shift 2
+    if [ -x "$folder/tests/golden/golden" ]; then
+        # shellcheck disable=SC2086
+        count "$golden_name${1:+ $*}" $runner "$folder/tests/golden/golden" "$@"
+    else
+        fail "$golden_name: was not built"
+    fi
+}
+
+run_fault() { # ROW
+    if echo '#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+int main(void) { return 0; }' | compiles "$CC" -lcmocka; then
+        build "$1" fault-programs
+        run_kind "$1" fault ''
+    else
+        skip "$1/fault" "the library cmocka is missing"
+    fi
+}
+
+run_fuzz() {
+    build san fuzz-programs
+    for source in tests/fuzz/fuzz_*.c; do
+        if [ -f "$source" ]; then check "san/fuzz/$(basename "$source" .c)" $limit "$folder/${source%.c}"; fi
+    done
+}
+
+run_examples() {
+    for source in tests/examples/*.c; do
+        if [ -f "$source" ]; then check "example/$(basename "$source" .c)" $limit "$folder/${source%.c}"; fi
+    done
+}
+
+# Scripts get the program in BITVOX; they count their own checks or stand for one by their exit status.
+run_program() {
+    export BITVOX="$BUILD/bitvox"
+    for script in tests/program/*.sh tests/program/*.py; do
+        if [ ! -f "$script" ]; then continue; fi
+        case $script in
+        *.sh) run="sh $script" ;;
+        *) run="python3 $script" ;;
+        esac
+        if ! has "${run%% *}"; then
+            skip "program/$(basename "$script")" "${run%% *} is missing"
+            continue
+        fi
+        program_log=$(log_of "program/$(basename "$script")")
+        start=$(date +%s)
+        $limit $run >"$program_log" 2>&1 </dev/null
+        status=$?
+        if [ -n "$(counts_of "$program_log")" ]; then
+            add_counts "program/$(basename "$script")" "$program_log" $status $(($(date +%s) - start))
+        elif [ $status = 77 ]; then
+            skip "program/$(basename "$script")" "$(tail -n 1 "$program_log")"
+        elif [ $status = 0 ]; then
+            pass "program/$(basename "$script")"
+        else
+            fail "program/$(basename "$script")" "$program_log"
+        fi
+    done
+}
+
+# A locale whose decimal point is a comma, for the tests that show that it changes nothing.
+make_locale() {
+    [ -d "$BUILD/locale/de_DE.UTF-8" ] && return
+    mkdir -p "$BUILD/locale"
+    localedef -i de_DE -f UTF-8 "$BUILD/locale/de_DE.UTF-8" >"$logs/locale.log" 2>&1 || rm -rf "$BUILD/locale"
+}
+
+# ---- Tiers ----
+
+tests_here() {
+    build native all test-programs
+    native=$folder
+    run_kind native unit ''
+    run_fault native
+    run_golden native ''
+    run_golden native '' --threads 1 --portable
+    run_golden native '' --threads 8
+    run_examples
+    run_program
+    sh tests/tools/check_house.sh "$native" >"$(log_of checks)" 2>&1 </dev/null
+    add_script checks "$(log_of checks)" $?
+}
+
+tests_of_other_compilers() {
+    for row in plain fast clang; do
+        if [ $row = clang ] && ! has clang; then
+            skip clang "clang is missing"
+            continue
+        fi
+        build $row row-products
+        run_golden $row ''
+    done
+}
+
+# 32-bit x86 and big-endian s390x, statically linked; BVX_QUICK=1 asks long tests to be brief.
+tests_of_other_machines() {
+    export BVX_QUICK=1
+    jobs=1
+    i686=
+    if has i686-linux-gnu-gcc; then
+        i686=i686-linux-gnu-gcc i686_ar=i686-linux-gnu-ar
+    elif echo 'int main(void) { return 0; }' | compiles "$CC" -m32 -static; then
+        i686="$CC -m32" i686_ar=ar
+    fi
+    if [ -n "$i686" ]; then
+        emulator=
+        echo 'int main(void) { return 0; }' | compiles $i686 -static
+        "$logs/probe" 2>/dev/null || emulator=qemu-i386
+        if [ -n "$emulator" ] && ! has $emulator; then
+            skip i686 "$emulator is missing and 32-bit programs do not run here"
+        else
+            build i686 test-programs
+            run_kind i686 unit "$emulator"
+            run_golden i686 "$emulator"
+        fi
+    else
+        skip i686 "no compiler for 32-bit x86"
+    fi
+    if ! has s390x-linux-gnu-gcc; then
+        skip s390x "s390x-linux-gnu-gcc is missing"
+    elif ! has qemu-s390x; then
+        skip s390x "qemu-s390x is missing"
+    else
+        build s390x test-programs
+        run_kind s390x unit qemu-s390x
+        run_golden s390x qemu-s390x
+    fi
+}
+
+make_locale
+if [ -d "$BUILD/locale" ]; then
+    LOCPATH=$(cd "$BUILD/locale" && pwd)
+    export LOCPATH
+fi
+
+case $tier in
+quick)
+    tests_here
+    ;;
+full)
+    # The other machines' rows run beside the rest; their lines come when they have ended.
+    machines=$(log_of machines)
+    sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
+    sh tests/tools/run_tests.sh machines >"$machines" 2>&1 </dev/null &
+    beside=$!
+    trap 'kill $beside 2>/dev/null; exit 130' INT TERM
+    tests_here
+    tests_of_other_compilers
+    run_fault san
+    run_fuzz
+    wait $beside
+    add_script "other machines" "$machines" $?
+    ;;
+machines)
+    logs=$logs/machines
+    mkdir -p "$logs"
+    tests_of_other_machines
+    ;;
+san)
+    build san test-programs
+    run_kind san unit ''
+    run_fault san
+    run_golden san ''
+    run_fuzz
+    ;;
+*)
+    echo "run_tests: no tier named $tier" >&2
+    exit 2
+    ;;
+esac
+finish
