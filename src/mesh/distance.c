@@ -116,8 +116,8 @@ static void add_distance_blocks(const distance_work *w, distance_way *way)
 }
 
 static bvx_status measure_distance_one_way(bvx_context *ctx, const char *name, const bvxi_closest_tree *from,
-                                  const bvxi_closest_tree *to, uint64_t samples, uint64_t key, double progress,
-                                  distance_way *way)
+                                           const bvxi_closest_tree *to, uint64_t samples, uint64_t key,
+                                           double progress, distance_way *way)
 {
     uint64_t const area_bytes = from->triangle_count * sizeof(double);
     int32_t const blocks = bvxi_piece_count(samples, 64);
@@ -143,7 +143,7 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const char *name, c
 }
 
 static void make_distance_report(const distance_way *ab, const distance_way *ba, uint64_t samples, uint64_t seed,
-                        bvx_distance_report *r)
+                                 bvx_distance_report *r)
 {
     r->samples = samples;
     r->seed = seed;

@@ -244,7 +244,8 @@ static void check_vertices(topology *c)
 static bvx_status allocate_topology(bvx_context *ctx, topology *c)
 {
     uint64_t const half_edges = 3 * c->triangle_count;
-    uint64_t const vertex_bits = topology_bit_words(c->vertex_count) * 8, corner_bits = topology_bit_words(half_edges) * 8;
+    uint64_t const vertex_bits = topology_bit_words(c->vertex_count) * 8;
+    uint64_t const corner_bits = topology_bit_words(half_edges) * 8;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's buckets", &c->bucket_end));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 4, "the check's edge rings", &c->ring));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->broken));
