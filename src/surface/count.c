@@ -1,38 +1,34 @@
 /* count.c - the first pass of marching cubes: crossings and triangles of each row of cells. */
 #include "surface/cells.h"
 
-/* Popcount by the instruction where the path has it. */
-BVXI_VECTOR_INLINE uint32_t count_bits(uint64_t w, int fast)
-{
-#if BVXI_HAVE_AVX2
-    if (fast) return (uint32_t)__builtin_popcountll(w);
-#endif
-    (void)fast;
-    return bvxi_popcount(w);
-}
-
 BVXI_VECTOR_INLINE void count_slot(const bvxi_march *m, uint64_t slot, int fast)
 {
     bvxi_slot *const s = &m->slots[slot];
     const uint8_t *const triangles = bvxi_cell_triangle_count[m->options.face_rule];
-    int32_t const words = m->grid->words_per_row;
     uint32_t n[3] = {0, 0, 0}, triangle_count = 0;
-    const uint64_t *row[4];
+    bvxi_cell_words cells[BVXI_CELL_BLOCK];
+    bvxi_cell_list active;
+    bvxi_cell_walk walk;
+    uint64_t has[4]; /* all ones where the slot owns what it counts */
     int32_t j, k;
-    int has[4];
     bvxi_slot_row(m, slot, &j, &k);
-    for (int32_t a = 0; a < 4; a++) has[a] = bvxi_slot_has(m, a, j, k);
-    for (int32_t r = 0; r < 4; r++) row[r] = bvxi_march_row(m, j + (r & 1), k + (r >> 1));
-    for (int32_t w = 0; w < m->edge_words; w++) {
-        bvxi_cell_words c;
-        uint64_t active;
-        if (!bvxi_load_cells(row, w, words, &c)) continue;
-        active = bvxi_active_cells(&c) & bvxi_visited(m, w);
-        if (has[0]) n[0] += count_bits((c.low[0] ^ c.high[0]) & bvxi_visited(m, w), fast);
-        if (has[1]) n[1] += count_bits(c.high[0] ^ c.high[1], fast);
-        if (has[2]) n[2] += count_bits(c.high[0] ^ c.high[2], fast);
-        if (!has[3]) continue;
-        for (; active != 0; active &= active - 1) triangle_count += triangles[bvxi_cell_case(&c, bvxi_lowest(active))];
+    for (int32_t a = 0; a < 4; a++) has[a] = bvxi_slot_has(m, a, j, k) ? ~UINT64_C(0) : 0;
+    bvxi_walk_start(&walk, m, j, k);
+    for (int32_t first = 0; first < m->edge_words; first += BVXI_CELL_BLOCK) {
+        int32_t const block = m->edge_words - first < BVXI_CELL_BLOCK ? m->edge_words - first : BVXI_CELL_BLOCK;
+        active.count = 0;
+        for (int32_t w = 0; w < block; w++) {
+            bvxi_cell_words *const c = &cells[w];
+            uint64_t visited;
+            if (!bvxi_walk_next(&walk, c)) continue;
+            visited = bvxi_visited(m, first + w);
+            n[0] += bvxi_count_bits((c->low[0] ^ c->high[0]) & visited & has[0], fast);
+            n[1] += bvxi_count_bits((c->high[0] ^ c->high[1]) & has[1], fast);
+            n[2] += bvxi_count_bits((c->high[0] ^ c->high[2]) & has[2], fast);
+            bvxi_list_bits(&active, bvxi_active_cells(c) & visited & has[3], w, 4, fast);
+        }
+        for (uint32_t i = 0; i < active.count; i++)
+            triangle_count += triangles[bvxi_cell_case(&cells[active.at[i] >> 6], active.at[i] & 63)];
     }
     if (m->cell_high[0] < m->cell_low[0]) n[1] = n[2] = 0; /* no cells along x, so no edges of theirs */
     for (int32_t a = 0; a < 3; a++) s->edge[a] = n[a];

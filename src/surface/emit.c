@@ -35,54 +35,35 @@ static inline double place_along(const bvxi_march *m, int32_t axis, int32_t inde
     return m->origin[axis] + ((double)(m->grid->low[axis] + index) + 0.5 + ratio) * m->spacing[axis];
 }
 
-/* One axis's vertices of a slot, at the middle of their edges. */
-static uint64_t emit_middles(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, uint64_t mask, int32_t word, uint64_t vertex)
+/* One axis's vertices of a block, at the middle of their edges. Bits of x-edges lie between centres bit-1 and bit. */
+BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, const bvxi_cell_list *list,
+                                     int32_t first, uint64_t vertex)
 {
     double const y = place_along(m, 1, j, axis == 1 ? 0.5 : 0.0), z = place_along(m, 2, k, axis == 2 ? 0.5 : 0.0);
-    const double *const x = m->across[axis != 0] + (size_t)word * 64;
+    const double *const x = m->across[axis != 0] + (size_t)first * 64;
     if (m->options.position_type == BVX_F32) {
         float *p = (float *)m->mesh->positions + 3 * vertex;
         float const fy = (float)y, fz = (float)z;
-        for (; mask != 0; mask &= mask - 1, p += 3, vertex++) {
-            p[0] = (float)x[bvxi_lowest(mask)];
+        for (uint32_t i = 0; i < list->count; i++, p += 3) {
+            p[0] = (float)x[list->at[i]];
             p[1] = fy;
             p[2] = fz;
         }
     } else {
-        for (; mask != 0; mask &= mask - 1) put_position(m, vertex++, x[bvxi_lowest(mask)], y, z);
+        for (uint32_t i = 0; i < list->count; i++) put_position(m, vertex + i, x[list->at[i]], y, z);
     }
-    return vertex;
 }
 
 /* The same with a ratio for each edge. */
-static uint64_t emit_ratios(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, uint64_t mask, int32_t word, uint64_t vertex)
+static void emit_ratios(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, const bvxi_cell_list *list, int32_t first,
+                        uint64_t vertex)
 {
-    for (; mask != 0; mask &= mask - 1) {
-        int32_t const i = word * 64 + bvxi_lowest(mask) - (axis == 0);
+    for (uint32_t n = 0; n < list->count; n++) {
+        int32_t const i = first * 64 + list->at[n] - (axis == 0);
         double t = m->ratio(m->ratio_user, axis, i, j, k);
         t = t < EDGE_MARGIN ? EDGE_MARGIN : t > 1.0 - EDGE_MARGIN ? 1.0 - EDGE_MARGIN : t;
-        put_position(m, vertex++, place_along(m, 0, i, axis == 0 ? t : 0.0), place_along(m, 1, j, axis == 1 ? t : 0.0),
+        put_position(m, vertex + n, place_along(m, 0, i, axis == 0 ? t : 0.0), place_along(m, 1, j, axis == 1 ? t : 0.0),
                      place_along(m, 2, k, axis == 2 ? t : 0.0));
-    }
-    return vertex;
-}
-
-static void emit_vertices(const bvxi_march *m, const bvxi_slot *s, int32_t j, int32_t k)
-{
-    int32_t const words = m->grid->words_per_row;
-    const uint64_t *const row = bvxi_march_row(m, j, k);
-    for (int32_t axis = 0; axis < 3; axis++) {
-        const uint64_t *const other = bvxi_march_row(m, j + (axis == 1), k + (axis == 2));
-        uint64_t vertex = s->edge[axis];
-        uint64_t const end = axis < 2 ? s->edge[axis + 1] : s[1].edge[0];
-        for (int32_t w = 0; vertex < end; w++) {
-            uint64_t const high = bvxi_high_word(row, w, words);
-            uint64_t const mask = axis == 0 ? (bvxi_low_word(row, w, words) ^ high) & bvxi_visited(m, w)
-                                            : high ^ bvxi_high_word(other, w, words);
-            if (mask == 0) continue;
-            vertex = m->ratio == NULL ? emit_middles(m, axis, j, k, mask, w, vertex)
-                                      : emit_ratios(m, axis, j, k, mask, w, vertex);
-        }
     }
 }
 
@@ -104,11 +85,13 @@ static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_
     counter[7] = s[up].edge[2];
 }
 
-static uint32_t *emit_cells(const bvxi_march *m, const bvxi_cell_words *c, uint64_t active, uint32_t counter[8], uint32_t *out)
+/* The active cells of a block. */
+static uint32_t *emit_cells(const bvxi_march *m, const bvxi_cell_words *cells, const bvxi_cell_list *active, uint32_t from,
+                            uint32_t counter[8], uint32_t *out)
 {
     int32_t const rule = m->options.face_rule;
-    for (; active != 0; active &= active - 1) {
-        uint32_t const n = bvxi_cell_case(c, bvxi_lowest(active));
+    for (uint32_t a = from; a < active->count; a++) {
+        uint32_t const n = bvxi_cell_case(&cells[active->at[a] >> 6], active->at[a] & 63);
         const uint8_t *const lane = bvxi_cell_triangle_lane[rule][n], *const offset = bvxi_cell_triangle_offset[rule][n];
         const uint8_t *const step = bvxi_cell_lane_step[n];
         uint32_t const corners = 3u * bvxi_cell_triangle_count[rule][n];
@@ -121,67 +104,113 @@ static uint32_t *emit_cells(const bvxi_march *m, const bvxi_cell_words *c, uint6
 
 #if BVXI_HAVE_AVX2
 /* The same, sixteen corners at a time; writes up to sixteen numbers, so it stops before the piece's end comes near. */
-BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_cell_words *c, uint64_t active, uint32_t counter[8],
-                                           uint32_t *out, const uint32_t *end)
+BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_cell_words *cells, const bvxi_cell_list *active,
+                                           uint32_t counter[8], uint32_t *out, const uint32_t *end)
 {
     int32_t const rule = m->options.face_rule;
-    const uint8_t(*const lanes)[BVXI_CELL_ROW] = bvxi_cell_triangle_lane[rule], (*const offsets)[BVXI_CELL_ROW] = bvxi_cell_triangle_offset[rule];
+    const uint8_t(*const lanes)[BVXI_CELL_ROW] = bvxi_cell_triangle_lane[rule];
+    const uint8_t(*const offsets)[BVXI_CELL_ROW] = bvxi_cell_triangle_offset[rule];
     __m256i count = _mm256_loadu_si256((const __m256i *)(const void *)counter);
-    for (; active != 0 && end - out >= BVXI_CELL_ROW; active &= active - 1) {
-        uint32_t const n = bvxi_cell_case(c, bvxi_lowest(active));
+    uint32_t done = 0;
+    for (; done < active->count && end - out >= BVXI_CELL_ROW; done++) {
+        uint32_t const n = bvxi_cell_case(&cells[active->at[done] >> 6], active->at[done] & 63);
         __m128i const lane = _mm_loadu_si128((const __m128i *)(const void *)lanes[n]);
         __m128i const offset = _mm_loadu_si128((const __m128i *)(const void *)offsets[n]);
         __m128i const step = _mm_loadl_epi64((const __m128i *)(const void *)bvxi_cell_lane_step[n]);
         __m256i const a = _mm256_permutevar8x32_epi32(count, _mm256_cvtepu8_epi32(lane));
         __m256i const b = _mm256_permutevar8x32_epi32(count, _mm256_cvtepu8_epi32(_mm_srli_si128(lane, 8)));
         _mm256_storeu_si256((__m256i *)(void *)out, _mm256_add_epi32(a, _mm256_cvtepu8_epi32(offset)));
-        _mm256_storeu_si256((__m256i *)(void *)(out + 8),
-                            _mm256_add_epi32(b, _mm256_cvtepu8_epi32(_mm_srli_si128(offset, 8))));
+        _mm256_storeu_si256((__m256i *)(void *)(out + 8), _mm256_add_epi32(b, _mm256_cvtepu8_epi32(_mm_srli_si128(offset, 8))));
         count = _mm256_add_epi32(count, _mm256_cvtepu8_epi32(step));
         out += 3u * bvxi_cell_triangle_count[rule][n];
     }
     _mm256_storeu_si256((__m256i *)(void *)counter, count);
-    return emit_cells(m, c, active, counter, out);
+    return emit_cells(m, cells, active, done, counter, out);
 }
 #endif
 
-static void emit_triangles(const bvxi_march *m, uint64_t slot, int32_t j, int32_t k, const uint32_t *piece_end)
+/* ---- a slot ---- */
+
+typedef struct emit_block {
+    bvxi_cell_words cells[BVXI_CELL_BLOCK];
+    bvxi_cell_list edge[3], active;
+} emit_block;
+
+BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, bvxi_cell_walk *walk, const uint64_t has[4], int32_t first,
+                                   emit_block *b, int fast)
 {
-    int32_t const words = m->grid->words_per_row;
-    uint32_t *out = m->mesh->triangles + 3 * (size_t)m->slots[slot].triangle;
-    uint32_t *const slot_end = m->mesh->triangles + 3 * (size_t)m->slots[slot + 1].triangle;
-    const uint64_t *row[4];
+    int32_t const left = m->edge_words - first, block = left < BVXI_CELL_BLOCK ? left : BVXI_CELL_BLOCK;
+    b->active.count = b->edge[0].count = b->edge[1].count = b->edge[2].count = 0;
+    for (int32_t w = 0; w < block; w++) {
+        bvxi_cell_words *const c = &b->cells[w];
+        uint64_t visited;
+        if (!bvxi_walk_next(walk, c)) continue;
+        visited = bvxi_visited(m, first + w);
+        bvxi_list_bits(&b->edge[0], (c->low[0] ^ c->high[0]) & visited & has[0], w, 3, fast);
+        bvxi_list_bits(&b->edge[1], (c->high[0] ^ c->high[1]) & has[1], w, 3, fast);
+        bvxi_list_bits(&b->edge[2], (c->high[0] ^ c->high[2]) & has[2], w, 3, fast);
+        bvxi_list_bits(&b->active, bvxi_active_cells(c) & visited & has[3], w, 4, fast);
+    }
+}
+
+BVXI_VECTOR_INLINE void emit_slot(const bvxi_march *m, uint64_t slot, const uint32_t *piece_end, int fast)
+{
+    const bvxi_slot *const s = &m->slots[slot];
+    uint32_t *out = m->mesh->triangles + 3 * (size_t)s->triangle;
+    uint64_t vertex[3] = {s->edge[0], s->edge[1], s->edge[2]}, has[4];
+    bvxi_cell_walk walk;
     uint32_t counter[8];
+    emit_block b;
+    int32_t j, k;
+    if (s[1].edge[0] == s->edge[0] && s[1].triangle == s->triangle) return;
+    bvxi_slot_row(m, slot, &j, &k);
     start_counters(m, slot, j, k, counter);
-    for (int32_t r = 0; r < 4; r++) row[r] = bvxi_march_row(m, j + (r & 1), k + (r >> 1));
-    for (int32_t w = 0; out < slot_end; w++) {
-        bvxi_cell_words c;
-        uint64_t active;
-        if (!bvxi_load_cells(row, w, words, &c)) continue;
-        active = bvxi_active_cells(&c) & bvxi_visited(m, w);
+    bvxi_walk_start(&walk, m, j, k);
+    for (int32_t a = 0; a < 4; a++) has[a] = bvxi_slot_has(m, a, j, k) ? ~UINT64_C(0) : 0;
+    if (m->cell_high[0] < m->cell_low[0]) has[1] = has[2] = 0;
+    for (int32_t first = 0; first < m->edge_words; first += BVXI_CELL_BLOCK) {
+        load_block(m, &walk, has, first, &b, fast);
+        for (int32_t axis = 0; axis < 3; axis++) {
+            if (m->ratio == NULL) emit_middles(m, axis, j, k, &b.edge[axis], first, vertex[axis]);
+            else emit_ratios(m, axis, j, k, &b.edge[axis], first, vertex[axis]);
+            vertex[axis] += b.edge[axis].count;
+        }
 #if BVXI_HAVE_AVX2
-        if (m->cpu == BVX_CPU_AVX2) {
-            out = emit_cells_avx2(m, &c, active, counter, out, piece_end);
+        if (fast) {
+            out = emit_cells_avx2(m, b.cells, &b.active, counter, out, piece_end);
             continue;
         }
 #endif
-        out = emit_cells(m, &c, active, counter, out);
+        out = emit_cells(m, b.cells, &b.active, 0, counter, out);
     }
     (void)piece_end;
 }
 
+BVXI_VECTOR_INLINE void emit_piece(const bvxi_march *m, int32_t piece, int fast)
+{
+    uint64_t begin, end;
+    const uint32_t *piece_end;
+    bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
+    piece_end = m->mesh->triangles + 3 * (size_t)m->slots[end].triangle;
+    for (uint64_t s = begin; s < end; s++) emit_slot(m, s, piece_end, fast);
+}
+
+#if BVXI_HAVE_AVX2
+BVXI_AVX2 static void emit_piece_avx2(const bvxi_march *m, int32_t piece)
+{
+    emit_piece(m, piece, 1);
+}
+#endif
+
 void bvxi_march_emit_piece(void *march, int32_t piece, int32_t worker)
 {
     const bvxi_march *const m = march;
-    uint64_t begin, end;
-    const uint32_t *piece_end;
     (void)worker;
-    bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
-    piece_end = m->mesh->triangles + 3 * (size_t)m->slots[end].triangle;
-    for (uint64_t s = begin; s < end; s++) {
-        int32_t j, k;
-        bvxi_slot_row(m, s, &j, &k);
-        emit_vertices(m, &m->slots[s], j, k);
-        if (m->slots[s + 1].triangle != m->slots[s].triangle) emit_triangles(m, s, j, k, piece_end);
+#if BVXI_HAVE_AVX2
+    if (m->cpu == BVX_CPU_AVX2) {
+        emit_piece_avx2(m, piece);
+        return;
     }
+#endif
+    emit_piece(m, piece, 0);
 }

@@ -10,38 +10,33 @@ static uint64_t make_key(const bvxi_march *m, int32_t i, int32_t j, int32_t k, i
     return (uint64_t)(low[2] + k + 1) << 42 | (uint64_t)(low[1] + j + 1) << 22 | (uint64_t)axis << 20 | (uint64_t)(low[0] + i + 1);
 }
 
-static void key_vertices(const bvxi_march *m, const bvxi_slot *s, int32_t j, int32_t k)
+static uint64_t *key_bits(const bvxi_march *m, uint64_t mask, int32_t w, int32_t j, int32_t k, int32_t axis, uint64_t *out)
 {
-    int32_t const words = m->grid->words_per_row;
-    const uint64_t *const row = bvxi_march_row(m, j, k);
-    for (int32_t axis = 0; axis < 3; axis++) {
-        const uint64_t *const other = bvxi_march_row(m, j + (axis == 1), k + (axis == 2));
-        uint64_t *out = m->mesh->vertex_keys + s->edge[axis];
-        uint64_t *const end = m->mesh->vertex_keys + (axis < 2 ? s->edge[axis + 1] : s[1].edge[0]);
-        for (int32_t w = 0; out < end; w++) {
-            uint64_t const high = bvxi_high_word(row, w, words);
-            uint64_t mask = axis == 0 ? (bvxi_low_word(row, w, words) ^ high) & bvxi_visited(m, w)
-                                      : high ^ bvxi_high_word(other, w, words);
-            for (; mask != 0; mask &= mask - 1) *out++ = make_key(m, w * 64 + bvxi_lowest(mask) - (axis == 0), j, k, axis);
-        }
-    }
+    for (; mask != 0; mask &= mask - 1) *out++ = make_key(m, w * 64 + bvxi_lowest(mask) - (axis == 0), j, k, axis);
+    return out;
 }
 
-static void key_triangles(const bvxi_march *m, uint64_t slot, int32_t j, int32_t k)
+static void key_slot(const bvxi_march *m, uint64_t slot)
 {
     const uint8_t *const triangles = bvxi_cell_triangle_count[m->options.face_rule];
-    uint64_t *out = m->mesh->triangle_keys + m->slots[slot].triangle;
-    uint64_t *const end = m->mesh->triangle_keys + m->slots[slot + 1].triangle;
-    const uint64_t *row[4];
-    for (int32_t r = 0; r < 4; r++) row[r] = bvxi_march_row(m, j + (r & 1), k + (r >> 1));
-    for (int32_t w = 0; out < end; w++) {
+    const bvxi_slot *const s = &m->slots[slot];
+    uint64_t *out[3], *triangle = m->mesh->triangle_keys + s->triangle;
+    bvxi_cell_walk walk;
+    int32_t j, k;
+    bvxi_slot_row(m, slot, &j, &k);
+    bvxi_walk_start(&walk, m, j, k);
+    for (int32_t a = 0; a < 3; a++) out[a] = m->mesh->vertex_keys + s->edge[a];
+    for (int32_t w = 0; w < m->edge_words; w++) {
+        uint64_t const visited = bvxi_visited(m, w);
         bvxi_cell_words c;
-        uint64_t active;
-        if (!bvxi_load_cells(row, w, m->grid->words_per_row, &c)) continue;
-        active = bvxi_active_cells(&c) & bvxi_visited(m, w);
-        for (; active != 0; active &= active - 1) {
+        if (!bvxi_walk_next(&walk, &c)) continue;
+        if (bvxi_slot_has(m, 0, j, k)) out[0] = key_bits(m, (c.low[0] ^ c.high[0]) & visited, w, j, k, 0, out[0]);
+        if (bvxi_slot_has(m, 1, j, k)) out[1] = key_bits(m, c.high[0] ^ c.high[1], w, j, k, 1, out[1]);
+        if (bvxi_slot_has(m, 2, j, k)) out[2] = key_bits(m, c.high[0] ^ c.high[2], w, j, k, 2, out[2]);
+        if (!bvxi_slot_has(m, 3, j, k)) continue;
+        for (uint64_t active = bvxi_active_cells(&c) & visited; active != 0; active &= active - 1) {
             int32_t const i = bvxi_lowest(active);
-            for (uint8_t n = triangles[bvxi_cell_case(&c, i)]; n > 0; n--) *out++ = make_key(m, w * 64 + i - 1, j, k, 0);
+            for (uint8_t n = triangles[bvxi_cell_case(&c, i)]; n > 0; n--) *triangle++ = make_key(m, w * 64 + i - 1, j, k, 0);
         }
     }
 }
@@ -52,10 +47,6 @@ void bvxi_march_key_piece(void *march, int32_t piece, int32_t worker)
     uint64_t begin, end;
     (void)worker;
     bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
-    for (uint64_t s = begin; s < end; s++) {
-        int32_t j, k;
-        bvxi_slot_row(m, s, &j, &k);
-        key_vertices(m, &m->slots[s], j, k);
-        key_triangles(m, s, j, k);
-    }
+    if (m->cell_high[0] < m->cell_low[0]) return; /* no cells, no edges */
+    for (uint64_t s = begin; s < end; s++) key_slot(m, s);
 }

@@ -122,6 +122,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex numbers", &m->slots));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 16, "the counts", &m->piece_counts));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)grid->words_per_row * 8, "an empty row", &m->empty_row));
     BVXI_TRY(bvxi_parallel(ctx, "surface", 0.0, 0.35, m->pieces, bvxi_march_count_piece, m));
     return number_slots(ctx, m);
 }
@@ -129,6 +130,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
 void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
 {
     if (m->grid != NULL) bvxi_free(ctx, m->across[0], across_bytes(m));
+    if (m->grid != NULL) bvxi_free(ctx, (void *)(uintptr_t)m->empty_row, (uint64_t)m->grid->words_per_row * 8);
     bvxi_free(ctx, m->piece_counts, (uint64_t)m->pieces * 16);
     bvxi_free(ctx, m->slots, (m->slot_count + 1) * sizeof *m->slots);
 }

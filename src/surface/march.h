@@ -36,6 +36,7 @@ typedef struct bvxi_march {
     uint64_t *piece_counts;           /* [Size: pieces * 2] vertices, triangles */
     uint64_t vertex_count, triangle_count;
     double origin[3], spacing[3];     /* of positions: origin 0 in a local frame */
+    const uint64_t *empty_row;        /* [Size: words_per_row] */
     double *across[2];                /* x of edges and of centres [Size: size[0] + 2] */
     bvx_mesh *mesh;
 } bvxi_march;
@@ -60,25 +61,12 @@ static inline void bvxi_slot_row(const bvxi_march *m, uint64_t slot, int32_t *j,
     *j = (int32_t)(slot % rows) - 1;
 }
 
-/* The words of row (j, k), or NULL outside the window. */
+/* The words of row (j, k); an empty row outside the window. */
 static inline const uint64_t *bvxi_march_row(const bvxi_march *m, int32_t j, int32_t k)
 {
     const bvx_grid *const g = m->grid;
-    if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return NULL;
+    if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return m->empty_row;
     return g->words + ((uint64_t)k * (uint64_t)g->size[1] + (uint64_t)j) * (uint64_t)g->words_per_row;
-}
-
-/* Word n of a row as high-x corners of cells, and with the centres one lower as low-x corners; n may be one past the
- * row's words, and the row may be NULL. */
-static inline uint64_t bvxi_high_word(const uint64_t *row, int32_t n, int32_t words)
-{
-    return row != NULL && n < words ? row[n] : 0;
-}
-
-static inline uint64_t bvxi_low_word(const uint64_t *row, int32_t n, int32_t words)
-{
-    if (row == NULL) return 0;
-    return (n < words ? row[n] << 1 : 0) | (n > 0 ? row[n - 1] >> 63 : 0);
 }
 
 /* Cells of edge word n that are visited. */

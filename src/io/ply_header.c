@@ -1,0 +1,269 @@
+/* ply_header.c - the header of a PLY file: elements, their counts and properties.
+ *
+ * Source: Turk. The PLY Polygon File Format. 1994, and the type names int8..float64 that others added.
+ * Guarantee: every count is held against the bytes that are there before anything of its size is allocated. */
+#include "io/ply_header.h"
+
+/* A line of the header, cut into words as they are taken. */
+typedef struct ply_line {
+    const char *p, *end;
+    const char *next; /* the line behind it */
+    int returns;      /* lines end with a carriage return alone: a newline behind the last one is data */
+} ply_line;
+
+/* Go to the next line; 0 when there is none that ends. */
+static int ply_next_line(const bvxi_source *s, ply_line *line)
+{
+    const char *p = line->next;
+    line->p = p;
+    while (p < s->end && *p != '\n' && *p != '\r') p++;
+    line->end = p;
+    if (p == s->end) return 0;
+    line->next = p + 1 < s->end && *p == '\r' && p[1] == '\n' && !line->returns ? p + 2 : p + 1;
+    return 1;
+}
+
+/* The line 'ply', which shows how lines end. */
+static int ply_first_line(const bvxi_source *s, ply_line *line)
+{
+    line->next = s->begin;
+    line->returns = 0;
+    if (!ply_next_line(s, line)) return 0;
+    line->returns = line->next[-1] == '\r';
+    if (line->end - line->p < 3 || memcmp(line->p, "ply", 3) != 0) return 0;
+    return line->end - line->p == 3 || bvxi_is_blank(line->p[3]);
+}
+
+/* The next word of a line, empty at its end. */
+static size_t ply_word(ply_line *line, const char **word)
+{
+    while (line->p < line->end && bvxi_is_blank(*line->p)) line->p++;
+    *word = line->p;
+    while (line->p < line->end && !bvxi_is_blank(*line->p)) line->p++;
+    return (size_t)(line->p - *word);
+}
+
+static BVXI_COLD bvx_status ply_fail_line(const bvxi_source *s, const char *at, const char *why)
+{
+    return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: %s", bvxi_source_line(s, at), why);
+}
+
+static int ply_is(const char *word, size_t n, const char *name)
+{
+    return n == strlen(name) && memcmp(word, name, n) == 0;
+}
+
+static bvx_status ply_expect_end(const bvxi_source *s, ply_line *line)
+{
+    const char *word;
+    return ply_word(line, &word) == 0 ? BVX_OK : bvxi_fail_expected(s, word, "the end of the line");
+}
+
+static int32_t ply_type_of(const char *word, size_t n)
+{
+    static const char *const names[][2] = {{"char", "int8"},   {"uchar", "uint8"},   {"short", "int16"},
+                                           {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                           {"float", "float32"}, {"double", "float64"}};
+    for (int32_t i = 0; i < 8; i++)
+        if (ply_is(word, n, names[i][0]) || ply_is(word, n, names[i][1])) return PLY_I8 + i;
+    return PLY_NONE;
+}
+
+static bvx_status ply_take_type(const bvxi_source *s, ply_line *line, int only_integer, int8_t *type)
+{
+    const char *word;
+    size_t const n = ply_word(line, &word);
+    int32_t const t = ply_type_of(word, n);
+    if (t == PLY_NONE) return bvxi_fail_expected(s, word, "a type (char to double, int8 to float64)");
+    if (only_integer && t >= PLY_F32) return bvxi_fail_expected(s, word, "an integer type");
+    *type = (int8_t)t;
+    return BVX_OK;
+}
+
+/* ---- the statements of a header ---- */
+
+static bvx_status ply_take_format(const bvxi_source *s, ply_line *line, ply_header *h)
+{
+    const char *word;
+    size_t n = ply_word(line, &word);
+    h->encoding = ply_is(word, n, "ascii") ? PLY_ASCII : ply_is(word, n, "binary_little_endian") ? PLY_LITTLE
+                  : ply_is(word, n, "binary_big_endian") ? PLY_BIG : 0;
+    if (h->encoding == 0)
+        return bvxi_fail_expected(s, word, "ascii, binary_little_endian or binary_big_endian");
+    n = ply_word(line, &word);
+    return ply_is(word, n, "1.0") ? ply_expect_end(s, line) : bvxi_fail_expected(s, word, "version 1.0");
+}
+
+static bvx_status ply_take_element(const bvxi_source *s, ply_line *line, ply_header *h)
+{
+    ply_element *const e = &h->elements[h->element_count];
+    const char *word;
+    size_t n;
+    memset(e, 0, sizeof *e);
+    e->name_size = ply_word(line, &e->name);
+    if (e->name_size == 0) return bvxi_fail_expected(s, e->name, "an element's name");
+    n = ply_word(line, &word);
+    for (size_t i = 0; i < n; i++) {
+        if (word[i] < '0' || word[i] > '9') n = 0;
+        else if (e->count < UINT64_MAX / 16) e->count = e->count * 10 + (uint64_t)(word[i] - '0');
+    }
+    if (n == 0) return bvxi_fail_expected(s, word, "a count of rows");
+    e->kind = ply_is(e->name, e->name_size, "vertex") ? PLY_VERTEX : ply_is(e->name, e->name_size, "face") ? PLY_FACE
+              : PLY_OTHER;
+    if ((e->kind == PLY_VERTEX && h->vertex != NULL) || (e->kind == PLY_FACE && h->face != NULL))
+        return ply_fail_line(s, word, "a second element of this name");
+    if (e->kind == PLY_VERTEX) h->vertex = e;
+    if (e->kind == PLY_FACE) h->face = e;
+    e->first = e->end = h->property_count;
+    h->element_count++;
+    return ply_expect_end(s, line);
+}
+
+static int32_t ply_role_of(const ply_element *e, int is_list, const char *name, size_t n)
+{
+    if (e->kind == PLY_VERTEX && n == 1 && *name >= 'x' && *name <= 'z') return PLY_ROLE_X + (*name - 'x');
+    if (e->kind == PLY_FACE && is_list && (ply_is(name, n, "vertex_indices") || ply_is(name, n, "vertex_index")))
+        return PLY_ROLE_CORNERS;
+    return PLY_ROLE_NONE;
+}
+
+static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_header *h)
+{
+    ply_property *const property = &h->properties[h->property_count];
+    const char *const start = line->p, *word;
+    size_t n;
+    if (h->element_count == 0)
+        return ply_fail_line(s, start, "a property before any element");
+    ply_element *const e = &h->elements[h->element_count - 1];
+    memset(property, 0, sizeof *property);
+    n = ply_word(line, &word);
+    int const is_list = ply_is(word, n, "list");
+    if (is_list) BVXI_TRY(ply_take_type(s, line, 1, &property->count_type));
+    else line->p = start;
+    BVXI_TRY(ply_take_type(s, line, 0, &property->type));
+    n = ply_word(line, &word);
+    if (n == 0) return bvxi_fail_expected(s, word, "a property's name");
+    property->role = (int8_t)ply_role_of(e, is_list, word, n);
+    if (property->role != PLY_ROLE_NONE) {
+        for (uint32_t i = e->first; i < e->end; i++)
+            if (h->properties[i].role == property->role)
+                return ply_fail_line(s, word, "a second property of this meaning");
+        if (property->role != PLY_ROLE_CORNERS && is_list)
+            return ply_fail_line(s, word, "a coordinate cannot be a list");
+        if (property->role == PLY_ROLE_CORNERS && property->type >= PLY_F32)
+            return ply_fail_line(s, word, "vertex numbers must be integers");
+    }
+    h->property_count++;
+    e->end++;
+    e->lists += is_list;
+    return ply_expect_end(s, line);
+}
+
+static bvx_status ply_take_line(const bvxi_source *s, ply_line *line, ply_header *h, int *done)
+{
+    const char *word;
+    size_t const n = ply_word(line, &word);
+    if (ply_is(word, n, "element")) return ply_take_element(s, line, h);
+    if (ply_is(word, n, "property")) return ply_take_property(s, line, h);
+    if (ply_is(word, n, "format") && h->encoding == 0) return ply_take_format(s, line, h);
+    if (ply_is(word, n, "comment") || ply_is(word, n, "obj_info")) return BVX_OK;
+    if (!ply_is(word, n, "end_header"))
+        return bvxi_fail_expected(s, word, "format, element, property, comment or end_header");
+    *done = 1;
+    return ply_expect_end(s, line);
+}
+
+/* ---- what the header promises against what is there ---- */
+
+/* The fewest bytes of a row: in a text a digit and a space for each value; a face has three corners or more. */
+static uint64_t ply_least_bytes(const ply_header *h, const ply_element *e)
+{
+    uint64_t n = 0;
+    for (uint32_t i = e->first; i < e->end; i++) {
+        const ply_property *const p = &h->properties[i];
+        uint64_t const items = p->count_type == PLY_NONE ? 1 : p->role == PLY_ROLE_CORNERS ? 3 : 0;
+        if (h->encoding == PLY_ASCII) n += 2 * (items + (p->count_type != PLY_NONE));
+        else n += items * ply_type_size(p->type) + ply_type_size(p->count_type);
+    }
+    return n;
+}
+
+static bvx_status ply_check_sizes(const bvxi_source *s, ply_header *h)
+{
+    uint64_t left = (uint64_t)(s->end - h->data) + (h->encoding == PLY_ASCII); /* the last value needs no space */
+    for (uint32_t i = 0; i < h->element_count; i++) {
+        ply_element *const e = &h->elements[i];
+        e->least_bytes = ply_least_bytes(h, e);
+        if (e->least_bytes != 0 && e->count > left / e->least_bytes)
+            return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
+                             "PLY: line %u: %u rows of at least %u bytes, but the file has only %u bytes for them",
+                             bvxi_source_line(s, e->name), e->count, e->least_bytes, left - (h->encoding == PLY_ASCII));
+        left -= e->count * e->least_bytes;
+    }
+    return BVX_OK;
+}
+
+static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
+{
+    static const char *const names[] = {"x", "y", "z"};
+    int floats = 0, roles = 0, corners = 0;
+    if (h->face == NULL || h->face->count == 0)
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the header names no faces");
+    if (h->vertex == NULL) return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: the header names no element vertex");
+    for (uint32_t i = h->vertex->first; i < h->vertex->end; i++)
+        if (h->properties[i].role != PLY_ROLE_NONE) {
+            roles |= 1 << h->properties[i].role;
+            floats += h->properties[i].type == PLY_F32;
+        }
+    for (int a = 0; a < 3; a++)
+        if ((roles >> a & 1) == 0)
+            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: element vertex has no property %s",
+                             bvxi_source_line(s, h->vertex->name), names[a]);
+    for (uint32_t i = h->face->first; i < h->face->end; i++) corners |= h->properties[i].role == PLY_ROLE_CORNERS;
+    if (!corners)
+        return ply_fail_line(s, h->face->name, "element face has no list vertex_indices or vertex_index");
+    if (h->vertex->count > UINT32_MAX)
+        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "PLY: %u vertices, the limit is below 2^32", h->vertex->count);
+    h->position_type = floats == 3 ? BVX_F32 : BVX_F64;
+    return BVX_OK;
+}
+
+/* Lines up to end_header: each names one element or property at most. */
+static bvx_status ply_count_lines(const bvxi_source *s, uint64_t *lines)
+{
+    const char *word;
+    ply_line line;
+    if (!ply_first_line(s, &line))
+        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: the file does not begin with a line 'ply'");
+    for (*lines = 1; ply_next_line(s, &line); ++*lines) {
+        size_t const n = ply_word(&line, &word);
+        if (ply_is(word, n, "end_header")) return BVX_OK;
+    }
+    return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: the file ends before end_header", *lines + 1);
+}
+
+bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
+{
+    ply_header *const h = header;
+    ply_line line;
+    int done = 0;
+    BVXI_TRY(ply_count_lines(source, &h->line_count));
+    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->line_count * sizeof *h->elements, "the header's elements",
+                        &h->elements));
+    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->line_count * sizeof *h->properties, "the header's properties",
+                        &h->properties));
+    ply_first_line(source, &line);
+    while (!done && ply_next_line(source, &line)) BVXI_TRY(ply_take_line(source, &line, h, &done));
+    if (h->encoding == 0) return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "PLY: the header has no line 'format'");
+    h->data = line.next;
+    BVXI_TRY(ply_check_sizes(source, h));
+    return ply_check_meaning(source, h);
+}
+
+void bvxi_ply_header_free(bvx_context *ctx, ply_header *header)
+{
+    bvxi_free(ctx, header->properties, header->line_count * sizeof *header->properties);
+    bvxi_free(ctx, header->elements, header->line_count * sizeof *header->elements);
+    header->properties = NULL;
+    header->elements = NULL;
+}

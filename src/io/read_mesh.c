@@ -1,0 +1,113 @@
+/* read_mesh.c - a mesh from the bytes of a file: the checks around the readers, and what they share. */
+#include "io/formats.h"
+
+enum { SOURCE_ASK_BYTES = 1 << 20, SOURCE_WORD_SHOWN = 24 };
+
+void bvxi_source_pass(bvxi_source *source, double from, double to)
+{
+    source->ask = source->begin;
+    source->from = from;
+    source->to = to;
+}
+
+bvx_status bvxi_source_ask(bvxi_source *source, const char *at)
+{
+    double const done = (double)(at - source->begin) / (double)(source->end - source->begin);
+    double const fraction = source->from + (source->to - source->from) * done;
+    source->ask = source->end - at > SOURCE_ASK_BYTES ? at + SOURCE_ASK_BYTES : source->end;
+    if (source->ask == at) return BVX_OK;
+    if (fraction > source->reached) source->reached = fraction;
+    return bvxi_progress(source->ctx, "read", source->reached);
+}
+
+uint64_t bvxi_source_line(const bvxi_source *source, const char *at)
+{
+    uint64_t n = 1;
+    for (const char *p = source->begin; p < at; p++) /* a lone carriage return ends a line too */
+        n += *p == '\n' || (*p == '\r' && (p + 1 == source->end || p[1] != '\n'));
+    return n;
+}
+
+bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const char *expected)
+{
+    char word[SOURCE_WORD_SHOWN + 4];
+    const char *const stop = bvxi_skip_word(at, source->end);
+    size_t const n = (size_t)(stop - at);
+    size_t const shown = n < SOURCE_WORD_SHOWN ? n : SOURCE_WORD_SHOWN;
+    if (at == source->end)
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the file ends where %s was expected",
+                         source->format, bvxi_source_line(source, at), expected);
+    if (n == 0)
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the line ends where %s was expected",
+                         source->format, bvxi_source_line(source, at), expected);
+    memcpy(word, at, shown);
+    for (size_t i = 0; i < shown; i++)
+        if (word[i] == 0) word[i] = '?';
+    memcpy(word + shown, n > shown ? "..." : "", n > shown ? 4 : 1);
+    return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: expected %s, found '%s'", source->format,
+                     bvxi_source_line(source, at), expected, word);
+}
+
+bvx_status bvxi_make_positions(bvx_context *ctx, bvx_mesh *mesh, int32_t type, uint64_t count)
+{
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * (type == BVX_F64 ? 24 : 12), "the vertices of the file",
+                        &mesh->positions));
+    mesh->position_type = type;
+    mesh->vertex_count = mesh->vertex_capacity = count;
+    mesh->owned = 1;
+    return BVX_OK;
+}
+
+bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count)
+{
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * 12, "the triangles of the file", &mesh->triangles));
+    mesh->triangle_count = mesh->triangle_capacity = count;
+    mesh->owned = 1;
+    return BVX_OK;
+}
+
+static int read_mesh_is_empty(const bvx_mesh *m)
+{
+    return m->positions == NULL && m->triangles == NULL && m->vertex_keys == NULL && m->triangle_keys == NULL;
+}
+
+static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *mesh)
+{
+    source->format = format == BVX_FORMAT_STL ? "STL" : format == BVX_FORMAT_OBJ ? "OBJ" : "PLY";
+    if (source->begin == source->end)
+        return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
+    bvxi_source_pass(source, 0, 1);
+    switch (format) {
+    case BVX_FORMAT_STL: return bvxi_read_stl(source, mesh);
+    case BVX_FORMAT_OBJ: return bvxi_read_obj(source, mesh);
+    default: return bvxi_read_ply(source, mesh);
+    }
+}
+
+bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *mesh)
+{
+    static const char *const function = "bvx_read_mesh";
+    bvxi_source source = {0};
+    bvx_mesh made = {0};
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
+    if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
+    if (size > SIZE_MAX / 2)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function, size);
+    if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: format %d holds no mesh; take STL, OBJ or PLY", function,
+                         (int64_t)format);
+    if (!read_mesh_is_empty(mesh))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh holds arrays already; free or zero it first", function);
+    source.ctx = context;
+    source.begin = bytes;
+    source.end = source.begin + (size_t)size;
+    status = read_mesh_as(&source, format, &made);
+    if (status != BVX_OK) {
+        bvx_mesh_free(context, &made);
+        return status;
+    }
+    *mesh = made;
+    return BVX_OK;
+}

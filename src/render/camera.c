@@ -1,0 +1,66 @@
+/* camera.c - axes of a view and the scale that fills its frame. */
+#include "render/camera.h"
+
+#include "mesh/scale.h"
+
+#include <math.h>
+
+#define CAMERA_FILLS 0.94 /* of the frame's side; the rest is margin */
+#define CAMERA_THIN 1e-9  /* least extent that the scale is taken from; the model's size is about 1 */
+
+static double camera_length(const double v[3])
+{
+    return sqrt(bvxi_camera_dot(v, v));
+}
+
+static void camera_cross(const double a[3], const double b[3], double c[3])
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Length 1; by the greatest part first, so that squares neither overflow nor vanish. */
+static void camera_normalize(const double v[3], double n[3])
+{
+    double most = 0.0, length;
+    for (int a = 0; a < 3; a++) {
+        most = v[a] > most ? v[a] : most;
+        most = -v[a] > most ? -v[a] : most;
+    }
+    for (int a = 0; a < 3; a++) n[a] = v[a] / most;
+    length = camera_length(n);
+    for (int a = 0; a < 3; a++) n[a] /= length;
+}
+
+void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double high[3], const double direction[3],
+                      const double up[3])
+{
+    static const double instead[2][3] = {{0.0, 1.0, 0.0}, {1.0, 0.0, 0.0}};
+    double upwards[3], right[3], half[3], other_half[3];
+    memset(camera, 0, sizeof *camera);
+    for (int a = 0; a < 3; a++) {
+        half[a] = high[a] * 0.5 - low[a] * 0.5;
+        other_half[a] = -half[a];
+    }
+    camera->unit = bvxi_unit_scale(other_half, half); /* from the model's size: it may be small and far away */
+    for (int a = 0; a < 3; a++) camera->centre[a] = (low[a] * 0.5 + high[a] * 0.5) * camera->unit;
+    camera_normalize(direction, camera->axis[2]);
+    camera_normalize(up, upwards);
+    camera_cross(upwards, camera->axis[2], right);
+    for (int k = 0; k < 2 && camera_length(right) < 1e-6; k++) camera_cross(instead[k], camera->axis[2], right);
+    camera_normalize(right, camera->axis[0]);
+    camera_cross(camera->axis[2], camera->axis[0], camera->axis[1]);
+}
+
+void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int32_t width, int32_t height)
+{
+    double const side[2] = {(double)width, (double)height};
+    for (int a = 0; a < 2; a++) {
+        double const size = extent->high[a] - extent->low[a];
+        double const scale = side[a] * CAMERA_FILLS / (size > CAMERA_THIN ? size : CAMERA_THIN);
+        if (a == 0 || scale < camera->scale) camera->scale = scale;
+        camera->middle[a] = extent->low[a] * 0.5 + extent->high[a] * 0.5;
+        camera->half[a] = side[a] * 0.5;
+    }
+}

@@ -1,0 +1,67 @@
+/* camera.h - where the picture is taken from: parallel rays, the model fitted to the frame. Not installed. */
+#ifndef BVXI_CAMERA_H
+#define BVXI_CAMERA_H
+
+#include "core/core.h"
+
+typedef struct bvxi_camera {
+    double axis[3][3]; /* right, up and towards the eye, at right angles, of length 1 */
+    double unit;       /* a power of two: the model's size times it is about 1, so nothing overflows */
+    double centre[3];  /* of the model [Units: world * unit] */
+    double middle[2];  /* what stands in the middle of the frame, along right and up [Units: world * unit] */
+    double scale;      /* samples a unit */
+    double half[2];    /* the middle of the frame [Units: samples] */
+} bvxi_camera;
+
+/* Extremes of a model along right and up [Units: world * unit, from centre]. */
+typedef struct bvxi_camera_extent {
+    double low[2], high[2];
+} bvxi_camera_extent;
+
+/* Look at a box of the world (finite, low below high on some axis) from direction, with up upwards. When up points
+ * at the eye, y takes its place, or else x. */
+void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double high[3], const double direction[3],
+                      const double up[3]);
+
+/* Fit the extremes into a frame of so many samples, with a margin. */
+void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int32_t width, int32_t height);
+
+static inline double bvxi_camera_dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Along right, up and towards the eye, of a point of the world [Units: world * unit, from centre]. */
+static inline void bvxi_camera_turn(const bvxi_camera *c, const double p[3], double q[3])
+{
+    double const d[3] = {p[0] * c->unit - c->centre[0], p[1] * c->unit - c->centre[1], p[2] * c->unit - c->centre[2]};
+    for (int a = 0; a < 3; a++) q[a] = bvxi_camera_dot(c->axis[a], d);
+}
+
+/* Right, down and towards the eye in the frame [Units: samples]. */
+static inline void bvxi_camera_place(const bvxi_camera *c, const double q[3], double s[3])
+{
+    s[0] = c->half[0] + (q[0] - c->middle[0]) * c->scale;
+    s[1] = c->half[1] - (q[1] - c->middle[1]) * c->scale;
+    s[2] = q[2] * c->scale;
+}
+
+static inline void bvxi_camera_extent_add(bvxi_camera_extent *e, const double q[3])
+{
+    for (int a = 0; a < 2; a++) {
+        e->low[a] = q[a] < e->low[a] ? q[a] : e->low[a];
+        e->high[a] = q[a] > e->high[a] ? q[a] : e->high[a];
+    }
+}
+
+static inline void bvxi_camera_extent_join(bvxi_camera_extent *e, const bvxi_camera_extent *other)
+{
+    for (int a = 0; a < 2; a++) {
+        e->low[a] = other->low[a] < e->low[a] ? other->low[a] : e->low[a];
+        e->high[a] = other->high[a] > e->high[a] ? other->high[a] : e->high[a];
+    }
+}
+
+static const bvxi_camera_extent bvxi_camera_nothing = {{1e300, 1e300}, {-1e300, -1e300}};
+
+#endif

@@ -1,0 +1,125 @@
+/* picture.c - options of a picture, its buffers, and its two passes: draw, then shade.
+ *
+ * Both passes are cut into bands of pixel rows whose number follows from the picture's height. A band writes its own
+ * rows only, so neither threads nor their order show. */
+#include "render/picture.h"
+
+enum { PICTURE_SIDE = 16384 };
+
+static const bvx_render_options render_defaults = {
+    0, 1024, 768, {3.0, -4.0, 2.0}, {0.0, 0.0, 1.0}, {200, 196, 188, 0}, {255, 255, 255, 0}, 0, 2};
+
+void bvx_render_options_init(bvx_render_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &render_defaults, sizeof render_defaults);
+}
+
+static bvx_status check_picture_direction(bvx_context *ctx, const char *function, const char *name, const double v[3])
+{
+    for (int a = 0; a < 3; a++)
+        if (v[a] - v[a] != 0.0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s has the part %g, which is not finite", function, name, v[a]);
+    if (v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s is 0, 0, 0 and points nowhere", function, name);
+    return BVX_OK;
+}
+
+static bvx_status check_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *o)
+{
+    if (o->width < 1 || o->width > PICTURE_SIDE || o->height < 1 || o->height > PICTURE_SIDE)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a picture of %d x %d pixels is outside 1 to %d a side", function,
+                         (int64_t)o->width, (int64_t)o->height, (int64_t)PICTURE_SIDE);
+    BVXI_TRY(check_picture_direction(ctx, function, "direction", o->direction));
+    BVXI_TRY(check_picture_direction(ctx, function, "up", o->up));
+    if (o->colour[3] != 0 || o->background[3] != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the fourth byte of a colour is not 0", function);
+    if (o->smooth != 0 && o->smooth != 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: smooth is %d, not 0 or 1", function, (int64_t)o->smooth);
+    if (o->samples < 1 || o->samples > 4)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %d samples a pixel and side are outside 1 to 4", function,
+                         (int64_t)o->samples);
+    return BVX_OK;
+}
+
+bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_render_options *options,
+                             const bvx_image *image, bvxi_picture *picture)
+{
+    memset(picture, 0, sizeof *picture);
+    picture->function = function;
+    picture->options = render_defaults;
+    if (image == NULL) return bvxi_fail_null(ctx, function, "image");
+    if (image->pixels != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: image holds pixels already; free or zero it first", function);
+    BVXI_TRY(bvxi_take_options(ctx, function, options, &picture->options, sizeof picture->options));
+    BVXI_TRY(check_picture_options(ctx, function, &picture->options));
+    picture->raster.width = picture->options.width * picture->options.samples;
+    picture->raster.height = picture->options.height * picture->options.samples;
+    picture->raster.fraction_bits = bvxi_raster_fraction_bits(
+        picture->raster.width > picture->raster.height ? picture->raster.width : picture->raster.height);
+    return BVX_OK;
+}
+
+typedef struct picture_work {
+    const bvxi_picture *picture;
+    const bvxi_shade *shade;
+} picture_work;
+
+static void picture_band(const bvxi_picture *p, int32_t index, int32_t *begin, int32_t *end)
+{
+    *begin = index * BVXI_PICTURE_BAND;
+    *end = *begin + BVXI_PICTURE_BAND < p->options.height ? *begin + BVXI_PICTURE_BAND : p->options.height;
+}
+
+static void draw_picture_band(void *user, int32_t index, int32_t worker)
+{
+    const bvxi_picture *const p = ((const picture_work *)user)->picture;
+    bvxi_raster_rows rows;
+    (void)worker;
+    picture_band(p, index, &rows.begin, &rows.end);
+    rows.begin *= p->options.samples;
+    rows.end *= p->options.samples;
+    bvxi_raster_clear(&p->raster, rows);
+    p->draw(p->model, &p->raster, rows);
+}
+
+static void shade_picture_band(void *user, int32_t index, int32_t worker)
+{
+    const picture_work *const w = user;
+    int32_t begin, end;
+    (void)worker;
+    picture_band(w->picture, index, &begin, &end);
+    bvxi_shade_rows(w->shade, begin, end);
+}
+
+static bvx_status draw_and_shade(bvx_context *ctx, bvxi_picture *p, uint64_t samples)
+{
+    int32_t const bands = (p->options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
+    picture_work work = {p, NULL};
+    bvxi_shade *shade = NULL;
+    bvx_status status;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's depths", &p->raster.depth));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's samples", &p->raster.id));
+    BVXI_TRY(bvxi_parallel(ctx, "render", 0.2, 0.5, bands, draw_picture_band, &work));
+    BVXI_TRY(bvxi_shade_open(ctx, p, &shade));
+    work.shade = shade;
+    status = bvxi_parallel(ctx, "render", 0.5, 1.0, bands, shade_picture_band, &work);
+    bvxi_shade_close(ctx, shade);
+    return status;
+}
+
+bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
+{
+    uint64_t const pixels = (uint64_t)p->options.width * (uint64_t)p->options.height;
+    uint64_t const samples = (uint64_t)p->raster.width * (uint64_t)p->raster.height;
+    bvx_image image = {NULL, p->options.width, p->options.height};
+    bvx_status status;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, pixels * 3, "the picture's pixels", &image.pixels));
+    p->image = image;
+    status = draw_and_shade(ctx, p, samples);
+    bvxi_free(ctx, p->raster.id, samples * 4);
+    bvxi_free(ctx, p->raster.depth, samples * 4);
+    if (status == BVX_OK) return BVX_OK;
+    bvx_image_free(ctx, &image);
+    memset(&p->image, 0, sizeof p->image);
+    return status;
+}

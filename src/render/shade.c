@@ -1,0 +1,192 @@
+/* shade.c - drawn samples to pixels: one light near the eye, ambient light from the depths around, a thin outline.
+ *
+ * Ambient light: from a sample, rays go out over the picture in evenly spread directions; what rises highest above the
+ * sample's tangent plane along a ray takes away the light from there, the less the farther it is (screen-space
+ * ambient occlusion). The samples of a pixel share out the directions, so a pixel sees all of them.
+ * Source of the idea: Bavoil, Sainz, Dimitrov. Image-space Horizon-based Ambient Occlusion. 2008. Ours needs no angles:
+ * the sine of the elevation is normal . ray / length, and the greatest one is found from squares.
+ * Outline: a sample beside one that lies far behind its tangent plane, or beside nothing, is darkened.
+ * Insides (triangles seen from behind) get a reddish colour, so that holes and flipped triangles show. */
+#include "render/picture.h"
+
+#include <math.h>
+
+enum { SHADE_ROUND = 64, SHADE_STEPS = 5, SHADE_MOST_TAPS = 16 * SHADE_STEPS };
+
+#define SHADE_REACH 0.16      /* how far occlusion looks, of the picture's shorter side */
+#define SHADE_LEAST_RISE 0.04 /* sines below it come from rounding and from facets of smooth shapes */
+#define SHADE_JUMP 0.012      /* depth behind the tangent plane that makes an outline, of the shorter side */
+
+static const double shade_light[3] = {-0.34, 0.46, 0.82};
+static const double shade_inside[3] = {1.0, 0.62, 0.50}; /* times the colour */
+
+typedef struct shade_tap {
+    int32_t dx, dy;
+} shade_tap;
+
+struct bvxi_shade {
+    const bvxi_picture *picture;
+    int32_t directions;                       /* of each of a pixel's samples */
+    double reach2;                            /* square of the reach [Units: samples^2] */
+    double jump;                              /* [Units: samples] */
+    double light[3];
+    shade_tap tap[16][SHADE_MOST_TAPS];       /* of each of a pixel's samples: directions, each with its steps */
+};
+
+/* ---- which places are looked at ---- */
+
+/* 64 directions round the circle: halve a quarter four times, then turn on. */
+static void shade_circle(double circle[SHADE_ROUND][2])
+{
+    double c = 0.0, s = 1.0;
+    for (int k = 0; k < 4; k++) {
+        double const half = sqrt((1.0 + c) * 0.5);
+        s = s / (2.0 * half);
+        c = half;
+    }
+    circle[0][0] = 1.0;
+    circle[0][1] = 0.0;
+    for (int k = 1; k < SHADE_ROUND; k++) {
+        circle[k][0] = circle[k - 1][0] * c - circle[k - 1][1] * s;
+        circle[k][1] = circle[k - 1][0] * s + circle[k - 1][1] * c;
+    }
+}
+
+static int32_t shade_offset(double v)
+{
+    return (int32_t)floor(v + 0.5);
+}
+
+/* Steps grow with the square of their number: fine near the sample, coarse far away. */
+static void shade_taps(bvxi_shade *s, int32_t patterns, double reach)
+{
+    double circle[SHADE_ROUND][2];
+    shade_circle(circle);
+    for (int32_t p = 0; p < patterns; p++) {
+        double const phase = ((double)p + 0.5) / (double)patterns;
+        shade_tap *tap = s->tap[p];
+        for (int32_t d = 0; d < s->directions; d++) {
+            const double *const way = circle[(d * patterns + p) * SHADE_ROUND / (s->directions * patterns)];
+            for (int32_t k = 0; k < SHADE_STEPS; k++, tap++) {
+                double const share = ((double)k + phase) / SHADE_STEPS;
+                double const length = share * share * reach < 1.0 ? 1.0 : share * share * reach;
+                tap->dx = shade_offset(way[0] * length);
+                tap->dy = shade_offset(way[1] * length);
+            }
+        }
+    }
+}
+
+bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_shade **shade)
+{
+    static const int32_t directions[5] = {0, 16, 8, 6, 4};
+    const bvxi_raster *const r = &picture->raster;
+    double const side = (double)(r->width < r->height ? r->width : r->height);
+    double const length = sqrt(bvxi_camera_dot(shade_light, shade_light));
+    bvxi_shade *s;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *s, "the picture's shading", &s));
+    s->picture = picture;
+    s->directions = directions[picture->options.samples];
+    s->reach2 = side * SHADE_REACH * side * SHADE_REACH;
+    s->jump = side * SHADE_JUMP;
+    for (int a = 0; a < 3; a++) s->light[a] = shade_light[a] / length;
+    shade_taps(s, picture->options.samples * picture->options.samples, side * SHADE_REACH);
+    *shade = s;
+    return BVX_OK;
+}
+
+void bvxi_shade_close(bvx_context *ctx, bvxi_shade *shade)
+{
+    bvxi_free(ctx, shade, sizeof *shade);
+}
+
+/* ---- one sample ---- */
+
+/* Share of the ambient light that does not reach a sample, in [0, 1]. */
+static double shade_occlusion(const bvxi_shade *s, int32_t x, int32_t y, int32_t pattern, const double n[3])
+{
+    const bvxi_raster *const r = &s->picture->raster;
+    const shade_tap *ray = s->tap[pattern];
+    double const z = (double)r->depth[(size_t)y * (size_t)r->width + (size_t)x];
+    double sum = 0.0;
+    for (int32_t d = 0; d < s->directions; d++, ray += SHADE_STEPS) {
+        double most = 0.0;
+        for (int32_t k = 0; k < SHADE_STEPS; k++) {
+            const shade_tap *const tap = ray + k;
+            int32_t const tx = x + tap->dx, ty = y + tap->dy;
+            if (tx < 0 || ty < 0 || tx >= r->width || ty >= r->height) break; /* the steps behind it are outside too */
+            double const dz = (double)r->depth[(size_t)ty * (size_t)r->width + (size_t)tx] - z;
+            double const rise = n[0] * tap->dx - n[1] * tap->dy + n[2] * dz;
+            if (rise > 0.0) {
+                double const length2 = (double)tap->dx * tap->dx + (double)tap->dy * tap->dy + dz * dz;
+                double const fade = 1.0 - length2 / s->reach2;
+                double const sine2 = rise * rise / length2;
+                if (fade > 0.0 && sine2 > SHADE_LEAST_RISE * SHADE_LEAST_RISE && sine2 * fade * fade > most)
+                    most = sine2 * fade * fade;
+            }
+        }
+        sum += sqrt(most);
+    }
+    return sum / s->directions;
+}
+
+/* 1 when a neighbour one pixel away lies far behind the tangent plane. */
+static int shade_is_outline(const bvxi_shade *s, int32_t x, int32_t y, const double n[3])
+{
+    static const int32_t side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    const bvxi_raster *const r = &s->picture->raster;
+    int32_t const away = s->picture->options.samples;
+    double const z = (double)r->depth[(size_t)y * (size_t)r->width + (size_t)x];
+    double const steep = n[2] > 0.1 ? n[2] : 0.1;
+    for (int k = 0; k < 4; k++) {
+        int32_t const dx = side[k][0] * away, dy = side[k][1] * away;
+        if (x + dx < 0 || y + dy < 0 || x + dx >= r->width || y + dy >= r->height) continue;
+        double const there = (double)r->depth[(size_t)(y + dy) * (size_t)r->width + (size_t)(x + dx)];
+        if (z - (n[0] * dx - n[1] * dy) / steep - there > s->jump) return 1;
+    }
+    return 0;
+}
+
+static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t pattern, const double n[3])
+{
+    double const open = 1.0 - shade_occlusion(s, x, y, pattern, n);
+    double const facing = bvxi_camera_dot(n, s->light);
+    double const ambient = (0.36 + 0.10 * n[1]) * open * open;
+    double const direct = facing > 0.0 ? 0.72 * facing * (0.45 + 0.55 * open) : 0.0;
+    return (ambient + direct) * (shade_is_outline(s, x, y, n) ? 0.55 : 1.0);
+}
+
+/* ---- pixels ---- */
+
+static uint8_t shade_byte(double v)
+{
+    return v <= 0.0 ? 0 : v >= 254.5 ? 255 : (uint8_t)(v + 0.5);
+}
+
+static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, uint8_t *pixel)
+{
+    const bvxi_picture *const p = s->picture;
+    const bvxi_raster *const r = &p->raster;
+    int32_t const side = p->options.samples;
+    double sum[3] = {0.0, 0.0, 0.0}, n[3];
+    for (int32_t k = 0; k < side * side; k++) {
+        int32_t const x = px * side + k % side, y = py * side + k / side;
+        uint32_t const id = r->id[(size_t)y * (size_t)r->width + (size_t)x];
+        if (id == BVXI_RASTER_EMPTY) {
+            for (int a = 0; a < 3; a++) sum[a] += p->options.background[a];
+            continue;
+        }
+        int const inside = p->normal(p->model, id, x, y, n);
+        double const strength = shade_strength(s, x, y, k, n);
+        for (int a = 0; a < 3; a++) sum[a] += p->options.colour[a] * strength * (inside ? shade_inside[a] : 1.0);
+    }
+    for (int a = 0; a < 3; a++) pixel[a] = shade_byte(sum[a] / (side * side));
+}
+
+void bvxi_shade_rows(const bvxi_shade *shade, int32_t begin, int32_t end)
+{
+    const bvx_image *const image = &shade->picture->image;
+    for (int32_t y = begin; y < end; y++)
+        for (int32_t x = 0; x < image->width; x++)
+            shade_pixel(shade, x, y, image->pixels + ((size_t)y * (size_t)image->width + (size_t)x) * 3);
+}
