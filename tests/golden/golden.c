@@ -7,6 +7,7 @@
  * golden_u64, golden_hex or golden_text between golden_begin and golden_end; a group of cases is one function and one
  * file. The same values must come out on every machine, compiler and thread count, so a value depends on none. */
 #include "bitvox.h"
+#include "shapes.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -142,12 +143,116 @@ static void grid_cases(golden *g)
     bvx_grid_free(g->context, &grid);
 }
 
+/* ---- The main job: solid, surface, levels ---- */
+
+static shape golden_shape; /* large, so not on the stack */
+
+typedef struct solid_case {
+    const char *name;
+    int32_t resolution, fill;
+    bvx_window window;
+} solid_case;
+
+static void surface_values(golden *g, const bvx_grid *solid, const char *key, const bvx_extract_options *options)
+{
+    bvx_mesh mesh = {0};
+    uint64_t hash = 0;
+    if (golden_good(g, bvx_extract_surface(g->context, solid, options, &mesh)) &&
+        golden_good(g, bvx_mesh_hash(g->context, &mesh, &hash))) {
+        if (strcmp(key, "surface") == 0) golden_u64(g, "triangles", mesh.triangle_count);
+        golden_hex(g, key, hash);
+    }
+    bvx_mesh_free(g->context, &mesh);
+}
+
+static void surfaces_of(golden *g, const bvx_grid *solid)
+{
+    bvx_extract_options options;
+    bvx_extract_options_init(&options, sizeof options);
+    surface_values(g, solid, "surface", &options);
+    options.face_rule = BVX_FACE_JOIN;
+    options.position_type = BVX_F64;
+    surface_values(g, solid, "joined_f64", &options);
+    options.open_sides = 63;
+    options.local_frame = 1;
+    surface_values(g, solid, "open_local", &options);
+}
+
+static void levels_of(golden *g, const bvx_grid *solid)
+{
+    static const int32_t resolutions[3] = {24, 13, 6};
+    static const char *const keys[2][3] = {{"ratio24", "ratio13", "ratio6"}, {"coverage24", "coverage13", "coverage6"}};
+    for (int32_t method = BVX_LOD_EDGE_RATIO; method <= BVX_LOD_COVERAGE; method++) {
+        bvx_mesh levels[3] = {{0}};
+        bvx_lod_options options;
+        bvx_lod_options_init(&options, sizeof options);
+        options.method = method;
+        options.resolutions = resolutions;
+        if (!golden_good(g, bvx_build_lods(g->context, solid, &options, 3, levels))) return;
+        for (int32_t l = 0; l < 3; l++) {
+            uint64_t hash = 0;
+            if (golden_good(g, bvx_mesh_hash(g->context, &levels[l], &hash))) golden_hex(g, keys[method - 1][l], hash);
+            bvx_mesh_free(g->context, &levels[l]);
+        }
+    }
+}
+
+static void solid_values(golden *g, const solid_case *c)
+{
+    bvx_voxelize_options options;
+    bvx_solid_report report = {0};
+    bvx_mesh_view view;
+    bvx_lattice lattice;
+    bvx_grid solid = {0};
+    uint64_t count = 0, hash = 0;
+    shape_view(&golden_shape, &view);
+    bvx_voxelize_options_init(&options, sizeof options);
+    options.fill = c->fill;
+    options.window = c->window;
+    options.report = &report;
+    golden_begin(g, c->name);
+    if (golden_good(g, bvx_lattice_fit(g->context, &view, c->resolution, &lattice)) &&
+        golden_good(g, bvx_voxelize_solid(g->context, &view, &lattice, &options, &solid)) &&
+        golden_good(g, bvx_grid_count(g->context, &solid, &count)) && golden_good(g, bvx_grid_hash(g->context, &solid, &hash))) {
+        for (int32_t a = 0; a < 3; a++) golden_u64(g, a == 0 ? "nx" : a == 1 ? "ny" : "nz", (uint64_t)lattice.dims[a]);
+        golden_u64(g, "set", count);
+        golden_hex(g, "bits", hash);
+        golden_u64(g, "crossings", report.crossings);
+        golden_u64(g, "unbalanced", report.unbalanced_rows);
+        surfaces_of(g, &solid);
+        if (c->window.size[0] == 0) levels_of(g, &solid);
+    }
+    golden_end(g);
+    bvx_grid_free(g->context, &solid);
+}
+
+static void solid_cases(golden *g)
+{
+    static const solid_case torus[] = {
+        {"torus_130", 130, BVX_FILL_PARITY, {{0, 0, 0}, {0, 0, 0}}},
+        {"torus_64_nonzero", 64, BVX_FILL_NONZERO, {{0, 0, 0}, {0, 0, 0}}},
+        {"torus_130_window", 130, BVX_FILL_PARITY, {{17, 5, 3}, {65, 70, 11}}},
+    };
+    static const solid_case ball[] = {{"ball_63", 63, BVX_FILL_PARITY, {{0, 0, 0}, {0, 0, 0}}}};
+    static const solid_case soup[] = {
+        {"soup_65", 65, BVX_FILL_PARITY, {{0, 0, 0}, {0, 0, 0}}},
+        {"soup_65_nonzero", 65, BVX_FILL_NONZERO, {{0, 0, 0}, {0, 0, 0}}},
+    };
+    shape_torus(&golden_shape, 96, 40, 0.25, 7);
+    for (size_t i = 0; i < sizeof torus / sizeof torus[0]; i++) solid_values(g, &torus[i]);
+    shape_ball(&golden_shape, 20);
+    solid_values(g, &ball[0]);
+    shape_soup(&golden_shape, 300, 11);
+    for (size_t i = 0; i < sizeof soup / sizeof soup[0]; i++) solid_values(g, &soup[i]);
+}
+
 static const struct {
     const char *file;
     void (*run)(golden *g);
 } groups[] = {
     {"hash", hash_cases},
     {"grid", grid_cases},
+    {"solid", solid_cases},
 };
 
 /* ---- Files ---- */
