@@ -1,10 +1,60 @@
-/* mesh.c - the plain mesh struct: freed, viewed, hashed. */
-#include "core/core.h"
+/* mesh.c - the plain mesh struct: opened for a result, freed, viewed, hashed. */
+#include "mesh/mesh.h"
 #include "core/hash.h"
 
 static uint64_t mesh_position_bytes(int32_t type)
 {
     return type == BVX_F64 ? 24 : 12;
+}
+
+/* Arrays of the caller's: they must be there and suffice. */
+static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys, uint64_t vertex_count,
+                              uint64_t triangle_count, const bvx_mesh *mesh)
+{
+    if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: a mesh that brings arrays needs both positions of the type asked for and triangles", function);
+    if (keys && (mesh->vertex_keys == NULL || mesh->triangle_keys == NULL))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys are asked for and the mesh given has no arrays for them", function);
+    if (mesh->vertex_capacity < vertex_count || mesh->triangle_capacity < triangle_count)
+        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the surface has %u vertices and %u triangles, the arrays hold %u and %u",
+                         function, vertex_count, triangle_count, mesh->vertex_capacity, mesh->triangle_capacity);
+    return BVX_OK;
+}
+
+static bvx_status make_arrays(bvx_context *ctx, int32_t keys, bvx_mesh *mesh)
+{
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_count * mesh_position_bytes(mesh->position_type), "the positions",
+                        &mesh->positions));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_count * 12, "the triangles", &mesh->triangles));
+    if (!keys) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_count * 8, "the vertex keys", &mesh->vertex_keys));
+    return bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_count * 8, "the triangle keys", &mesh->triangle_keys);
+}
+
+bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys, uint64_t vertex_count,
+                          uint64_t triangle_count, bvx_mesh *mesh)
+{
+    bvx_mesh made = {0};
+    bvx_status status;
+    if (mesh->positions != NULL || mesh->triangles != NULL) {
+        BVXI_TRY(take_arrays(ctx, function, position_type, keys, vertex_count, triangle_count, mesh));
+        mesh->vertex_count = vertex_count;
+        mesh->triangle_count = triangle_count;
+        memset(mesh->frame, 0, sizeof mesh->frame);
+        return BVX_OK;
+    }
+    made.owned = 1;
+    made.position_type = position_type;
+    made.vertex_count = made.vertex_capacity = vertex_count;
+    made.triangle_count = made.triangle_capacity = triangle_count;
+    status = make_arrays(ctx, keys, &made);
+    if (status != BVX_OK) {
+        bvx_mesh_free(ctx, &made);
+        return status;
+    }
+    *mesh = made;
+    return BVX_OK;
 }
 
 void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh)

@@ -3,15 +3,18 @@
  * Source: "LOD by voxelization and downsampling". The solid is sampled at each level's resolution (extended.c or
  * coverage.c), marching cubes runs over the samples' bits (march.c), and each crossed edge asks its ratio once. A level by
  * triangle count searches the resolution: it counts without making positions, guesses from triangles ~ resolution^2, and
- * ends at neighbours of which one keeps the target and the next does not. */
+ * ends at neighbours of which one keeps the target and the next does not. With collapse the search aims higher and edges
+ * go until the target is kept (collapse.c). */
 #include "grid/downsample.h"
+#include "mesh/collapse.h"
+#include "mesh/mesh.h"
 #include "surface/march.h"
 
 #include <math.h>
 
 static const char lod_name[] = "bvx_build_lods";
 static const bvx_lod_options lod_defaults = {
-    0, BVX_LOD_EDGE_RATIO, 0, 0.5, NULL, NULL, NULL, 0, BVX_FACE_SEPARATE, BVX_F32, 0, 0, NULL};
+    0, BVX_LOD_EDGE_RATIO, 0, 0.5, NULL, NULL, NULL, 0, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0.0, NULL};
 
 void bvx_lod_options_init(bvx_lod_options *options, size_t size)
 {
@@ -62,6 +65,10 @@ static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, con
     if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolutions, axis_resolutions and target_triangles", lod_name);
     if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", lod_name);
+    if (!(o->collapse == 0 || (o->collapse >= 1 && o->collapse <= 64)))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse %g is neither 0 nor from 1 to 64", lod_name, o->collapse);
+    if (o->collapse != 0 && o->target_triangles == NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse belongs to target_triangles alone", lod_name);
     if (level_count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: no level is asked for", lod_name);
     return o->target_triangles != NULL ? BVX_OK : check_resolutions(ctx, solid, o, level_count);
 }
@@ -120,7 +127,7 @@ static bvx_status count_level(bvx_context *ctx, lod_job *job, int32_t resolution
     return status;
 }
 
-static void report_level(const lod_job *job, const level_work *w)
+static void report_level(const lod_job *job, const level_work *w, const bvx_mesh *mesh)
 {
     bvx_lod_report *report;
     if (job->options->reports == NULL) return;
@@ -130,10 +137,46 @@ static void report_level(const lod_job *job, const level_work *w)
         report->resolution[a] = w->samples.axis[a].count;
         report->ratio[a] = (double)w->samples.axis[a].n / w->samples.axis[a].r;
     }
-    report->vertices = w->march.vertex_count;
-    report->triangles = w->march.triangle_count;
+    report->vertices = mesh->vertex_count;
+    report->triangles = mesh->triangle_count;
     report->searched = job->searched;
-    report->exceeds_source = job->options->source_triangles != 0 && w->march.triangle_count > job->options->source_triangles;
+    report->exceeds_source = job->options->source_triangles != 0 && mesh->triangle_count > job->options->source_triangles;
+}
+
+/* Positions from doubles in the lattice's own frame to the type and frame asked for, rounded once. */
+static void move_positions(const lod_job *job, const bvx_lattice *lattice, const bvx_mesh *from, bvx_mesh *mesh)
+{
+    const double *const p = from->positions;
+    int const local = job->options->local_frame;
+    for (uint64_t i = 0; i < 3 * from->vertex_count; i++) {
+        double const value = local ? p[i] : lattice->origin[i % 3] + p[i];
+        if (mesh->position_type == BVX_F32) ((float *)mesh->positions)[i] = (float)value;
+        else ((double *)mesh->positions)[i] = value;
+    }
+    memcpy(mesh->triangles, from->triangles, (size_t)from->triangle_count * 12);
+    memset(mesh->frame, 0, sizeof mesh->frame);
+    if (local) memcpy(mesh->frame, lattice->origin, sizeof mesh->frame);
+}
+
+/* Extract in doubles relative to the lattice, collapse to the target, hand over. */
+static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_march *march, bvx_mesh *mesh)
+{
+    uint64_t const target = job->options->target_triangles[job->level];
+    bvx_mesh fine = {0};
+    bvx_status status;
+    march->options.position_type = BVX_F64;
+    march->options.local_frame = 1;
+    memset(march->origin, 0, sizeof march->origin);
+    BVXI_TRY(bvxi_march_fill(ctx, march, &fine));
+    status = bvxi_collapse(ctx, fine.positions, &fine.vertex_count, fine.triangles, &fine.triangle_count, target);
+    if (status == BVX_OK && fine.triangle_count > target)
+        status = bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; collapsing its %u ends at %u", lod_name,
+                           job->level, target, march->triangle_count, fine.triangle_count);
+    if (status == BVX_OK)
+        status = bvxi_mesh_open(ctx, lod_name, job->options->position_type, 0, fine.vertex_count, fine.triangle_count, mesh);
+    if (status == BVX_OK) move_positions(job, &march->grid->lattice, &fine, mesh);
+    bvx_mesh_free(ctx, &fine);
+    return status;
 }
 
 static bvx_status make_level(bvx_context *ctx, const lod_job *job, int32_t resolution, bvx_mesh *mesh)
@@ -143,8 +186,9 @@ static bvx_status make_level(bvx_context *ctx, const lod_job *job, int32_t resol
     if (status == BVX_OK && w.march.triangle_count == 0)
         status = bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %u, %d x %d x %d samples, keeps nothing of the solid", lod_name, job->level,
                            (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count, (int64_t)w.samples.axis[2].count);
-    if (status == BVX_OK) status = bvxi_march_fill(ctx, &w.march, mesh);
-    if (status == BVX_OK) report_level(job, &w);
+    if (status == BVX_OK)
+        status = job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh) : bvxi_march_fill(ctx, &w.march, mesh);
+    if (status == BVX_OK) report_level(job, &w, mesh);
     close_level(ctx, &w);
     return status;
 }
@@ -160,9 +204,17 @@ static int32_t guess_between(int32_t low, uint64_t low_count, int32_t high, uint
     return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
 }
 
+/* What to search for: more than asked where edges collapse afterwards. */
+static uint64_t search_target(uint64_t asked, double collapse)
+{
+    double const more = (double)asked * collapse;
+    return collapse == 0 ? asked : more < 4e9 ? (uint64_t)more : UINT32_MAX;
+}
+
 static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *resolution)
 {
-    uint64_t const target = job->options->target_triangles[job->level];
+    uint64_t const asked = job->options->target_triangles[job->level];
+    uint64_t const target = search_target(asked, job->options->collapse);
     int32_t low = 0, high = longest_side(job->solid) + 1; /* low keeps the target, high does not (or is no resolution) */
     uint64_t low_count = 0, high_count = 0, tries = 0;
     int32_t guess = high - 1 < 32 ? high - 1 : 32;
@@ -188,7 +240,7 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
     }
     if (low_count == 0)
         return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; the coarsest level that keeps anything has %u",
-                         lod_name, job->level, target, high_count);
+                         lod_name, job->level, asked, high_count);
     *resolution = low;
     return BVX_OK;
 }

@@ -7,9 +7,15 @@
 
 enum { BVXI_PICTURE_BAND = 16 /* rows of pixels drawn at once; times 4 samples it is BVXI_RASTER_BAND */ };
 
-/* The normal of what sample (x, y) shows, in the camera's axes: length 1, towards the eye (n[2] >= 0).
- * Returns 1 when the side that the eye sees is an inside. */
-typedef int bvxi_normal_fn(const void *user, uint32_t id, int32_t x, int32_t y, double n[3]);
+/* What sample (x, y) shows, in the camera's axes: normals have length 1 and point towards the eye (z >= 0). */
+typedef struct bvxi_seen {
+    double normal[3];  /* for the light */
+    double tangent[3]; /* square to the plane above which neighbours take ambient light away */
+    int inside;        /* 1: the eye sees a triangle from behind */
+    uint64_t key;      /* what see was asked for last, so that neighbours cost less; 0: nothing yet */
+} bvxi_seen;
+
+typedef void bvxi_see_fn(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y, bvxi_seen *seen);
 
 /* Draw rows of the raster. */
 typedef void bvxi_draw_fn(const void *user, const bvxi_raster *raster, bvxi_raster_rows rows);
@@ -21,15 +27,16 @@ typedef struct bvxi_picture {
     bvxi_raster raster;
     bvx_image image;
     bvxi_draw_fn *draw;
-    bvxi_normal_fn *normal;
-    const void *model;    /* first argument of draw and normal */
+    bvxi_see_fn *see;
+    const void *model;    /* first argument of draw and see */
+    double roughness;     /* neighbours that rise less than this take no light [Units: samples] */
 } bvxi_picture;
 
 /* Check options and image, take them over. */
 bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_render_options *options,
                              const bvx_image *image, bvxi_picture *picture);
 
-/* Draw and shade; the picture's image is made. Draw, normal, model and camera are set. */
+/* Draw and shade; the picture's image is made. What draw and see need is set. */
 bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *picture);
 
 /* shade.c: rows [begin, end) of pixels from drawn samples. */

@@ -3,15 +3,19 @@
  * Idea: of a voxel's six faces the eye can see three. A row of such faces comes out of word operations (set here, empty
  * in the neighbour), neighbours along x in one word are drawn as one strip. All corners lie on one lattice of integers
  * in the frame (the three edges of a voxel are snapped once), so strips of different lengths meet without gaps.
- * A band of the picture visits only slices, rows and words that reach it. */
+ * A band of the picture visits only slices, rows and words that reach it. Smooth pictures take normals from the voxels
+ * around. */
 #include "grid/grid.h"
 #include "render/picture.h"
+#include "render/voxel_normal.h"
 
 #include <math.h>
 
 enum { GRID_GRAIN = 4096 /* rows a piece, at least */ };
 
 #define GRID_EDGE_ON 1e-6 /* faces turned away further than this cosine are not drawn */
+#define GRID_FINE 8.0     /* steps between smaller voxels are roughness more than shape [Units: samples] */
+#define GRID_BALANCED 16.0 /* square of the sum of offsets in thin parts, where it tells no direction */
 
 typedef struct grid_scene {
     const bvx_grid *grid;
@@ -24,6 +28,7 @@ typedef struct grid_scene {
     double base_z, step_z[3];   /* [Units: samples] */
     int32_t low[2], high[2];    /* least and greatest offset of a voxel's corners from its low corner, fixed point */
     bvxi_raster_plane plane[3]; /* slopes of the faces square to each axis */
+    double blocky;              /* share of the face's normal beside the smooth one: small faces are not seen singly */
 } grid_scene;
 
 /* ---- where the set lies in the view ---- */
@@ -103,8 +108,15 @@ static int64_t snap_to_fixed(double samples, int32_t bits)
     return (int64_t)floor(samples * (double)((int64_t)1 << bits) + 0.5);
 }
 
+static double greater_spacing(const double spacing[3])
+{
+    double const most = spacing[0] > spacing[1] ? spacing[0] : spacing[1];
+    return most > spacing[2] ? most : spacing[2];
+}
+
 static void place_grid(grid_scene *s)
 {
+    double const voxel = greater_spacing(s->grid->lattice.spacing) * s->picture.camera.unit * s->picture.camera.scale;
     const bvxi_camera *const c = &s->picture.camera;
     int32_t const bits = s->picture.raster.fraction_bits;
     double at[3];
@@ -119,6 +131,8 @@ static void place_grid(grid_scene *s)
         }
     }
     s->base_z = at[2];
+    s->picture.roughness = s->picture.options.smooth || voxel < GRID_FINE ? voxel : 0.0;
+    s->blocky = s->picture.options.smooth ? 0.0 : voxel / GRID_FINE * (voxel / GRID_FINE);
     for (int e = 0; e < 3; e++) {
         s->step_z[e] = s->edge[e][2] * c->scale;
         if (c->axis[2][e] == 0.0) continue; /* never drawn */
@@ -249,14 +263,58 @@ static void draw_grid_rows(const void *user, const bvxi_raster *raster, bvxi_ras
     }
 }
 
-static int grid_normal(const void *user, uint32_t id, int32_t x, int32_t y, double n[3])
+/* The voxel whose face on an axis a sample shows. */
+static void voxel_of_sample(const grid_scene *s, double depth, int axis, int32_t x, int32_t y, int32_t voxel[3])
+{
+    const bvxi_camera *const c = &s->picture.camera;
+    double const q[3] = {(x + 0.5 - c->half[0]) / c->scale + c->middle[0] - s->corner[0],
+                         (c->half[1] - y - 0.5) / c->scale + c->middle[1] - s->corner[1], depth / c->scale - s->corner[2]};
+    for (int a = 0; a < 3; a++) {
+        double const along = q[0] * c->axis[0][a] + q[1] * c->axis[1][a] + q[2] * c->axis[2][a];
+        double const half_in = a != axis ? 0.0 : s->step_z[a] > 0.0 ? -0.5 : 0.5;
+        double const v = floor(along / (s->grid->lattice.spacing[a] * c->unit) + half_in);
+        double const last = (double)s->grid->size[a] - 1.0;
+        voxel[a] = (int32_t)(v > 0.0 ? v < last ? v : last : 0.0);
+    }
+}
+
+/* The normal of the voxels around, in the camera's axes; the face's where they give none. */
+static void normal_around(const grid_scene *s, const int32_t voxel[3], const double face[3], double n[3])
+{
+    const double *const spacing = s->grid->lattice.spacing;
+    double const longest = greater_spacing(spacing);
+    double const relative[3] = {spacing[0] / longest, spacing[1] / longest, spacing[2] / longest};
+    double world[3], length2;
+    bvxi_voxel_normal(s->grid, relative, voxel[0], voxel[1], voxel[2], world);
+    for (int a = 0; a < 3; a++) n[a] = bvxi_camera_dot(s->picture.camera.axis[a], world);
+    if (n[2] < 0.0) n[2] = 0.0;
+    length2 = bvxi_camera_dot(n, n);
+    for (int a = 0; a < 3; a++) n[a] = length2 > GRID_BALANCED ? n[a] / sqrt(length2) : face[a];
+}
+
+static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y, bvxi_seen *seen)
 {
     const grid_scene *const s = user;
-    double const sign = s->step_z[id - 1] > 0.0 ? 1.0 : -1.0;
-    (void)x;
-    (void)y;
-    for (int a = 0; a < 3; a++) n[a] = s->picture.camera.axis[a][id - 1] * sign;
-    return 0;
+    int const axis = (int)id - 1;
+    double const depth = (double)raster->depth[(size_t)y * (size_t)raster->width + (size_t)x];
+    double const sign = s->step_z[axis] > 0.0 ? 1.0 : -1.0;
+    double face[3], mix[3], length2;
+    int32_t voxel[3];
+    for (int a = 0; a < 3; a++) face[a] = s->picture.camera.axis[a][axis] * sign;
+    seen->inside = 0;
+    if (s->picture.roughness > 0.0) {
+        voxel_of_sample(s, depth, axis, x, y, voxel);
+        uint64_t const row = (uint64_t)voxel[2] * (uint64_t)s->grid->size[1] + (uint64_t)voxel[1];
+        uint64_t const key = (row * (uint64_t)s->grid->size[0] + (uint64_t)voxel[0]) * 3 + id;
+        if (seen->key == key) return;
+        seen->key = key;
+        normal_around(s, voxel, face, seen->tangent);
+    } else {
+        memcpy(seen->tangent, face, sizeof face);
+    }
+    for (int a = 0; a < 3; a++) mix[a] = face[a] * s->blocky + seen->tangent[a] * (1.0 - s->blocky);
+    length2 = bvxi_camera_dot(mix, mix);
+    for (int a = 0; a < 3; a++) seen->normal[a] = length2 > 0.0 ? mix[a] / sqrt(length2) : face[a];
 }
 
 bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx_render_options *options, bvx_image *image)
@@ -272,7 +330,7 @@ bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx
     BVXI_TRY(fit_grid_scene(context, &s));
     place_grid(&s);
     s.picture.draw = draw_grid_rows;
-    s.picture.normal = grid_normal;
+    s.picture.see = see_face;
     s.picture.model = &s;
     BVXI_TRY(bvxi_picture_make(context, &s.picture));
     *image = s.picture.image;

@@ -10,6 +10,8 @@
 
 enum { SCENE_GRAIN = 8192 /* vertices or triangles a piece, at least */ };
 
+#define SCENE_SHARP 0.9 /* cosine between a facet and the mean at its corner below which the edge is meant to be one */
+
 /* A vertex in the frame. */
 typedef struct scene_vertex {
     int32_t x, y; /* right and down [Units: samples * 2^fraction_bits] */
@@ -194,41 +196,48 @@ static bvx_status average_normals(bvx_context *ctx, mesh_scene *s)
     return BVX_OK;
 }
 
-/* Blend the corners' normals by the areas across from them; the facet's own stays where they cancel out. */
-static void blend_normals(const mesh_scene *s, const uint32_t c[3], const double p[3][3], double x, double y, double n[3])
+/* Blend the corners' normals by the areas across from them into n. flat is the facet's own, which stands in where a
+ * corner's mean is far from it, so sharp edges stay sharp. */
+static void blend_normals(const mesh_scene *s, const uint32_t c[3], const double p[3][3], double x, double y,
+                          const double flat[3], double n[3])
 {
-    double blend[3] = {0.0, 0.0, 0.0};
+    double blend[3] = {0.0, 0.0, 0.0}, whole = 0.0;
     for (int k = 0; k < 3; k++) {
         const double *const a = p[(k + 1) % 3], *const b = p[(k + 2) % 3];
         double const area = (a[0] - x) * (b[1] - y) - (b[0] - x) * (a[1] - y);
         double m[3];
         for (int i = 0; i < 3; i++) m[i] = (double)s->normal[(size_t)c[k] * 3 + (size_t)i];
-        if (scene_unit(m) == 0.0) return;
-        for (int i = 0; i < 3; i++) blend[i] += area * m[i];
+        int const sharp = scene_unit(m) == 0.0 || bvxi_camera_dot(m, flat) < SCENE_SHARP;
+        for (int i = 0; i < 3; i++) blend[i] += area * (sharp ? flat[i] : m[i]);
+        whole += area; /* negative where the facet is seen from behind: so are all three */
     }
-    if (scene_unit(blend) > 0.0) /* areas are negative where the facet is seen from behind */
-        for (int i = 0; i < 3; i++) n[i] = blend[i];
+    if (whole < 0.0)
+        for (int i = 0; i < 3; i++) blend[i] = -blend[i];
+    if (scene_unit(blend) > 0.0) memcpy(n, blend, sizeof blend);
 }
 
-static int scene_normal(const void *user, uint32_t id, int32_t x, int32_t y, double n[3])
+static void see_triangle(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y, bvxi_seen *seen)
 {
     const mesh_scene *const s = user;
     uint32_t c[3];
-    double p[3][3];
+    double p[3][3], n[3];
+    (void)raster;
+    if (s->normal == NULL && seen->key == id) return;
+    seen->key = id;
     scene_corners(s, id - 1, c, p);
     bvxi_facet_normal((const double(*)[3])p, n);
-    int const inside = n[2] < 0.0;
     scene_unit(n);
-    if (inside)
-        for (int a = 0; a < 3; a++) n[a] = -n[a];
-    if (s->normal != NULL) {
-        blend_normals(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), n);
-        if (n[2] < 0.0) {
-            n[2] = 0.0;
-            scene_unit(n);
-        }
+    memcpy(seen->normal, n, sizeof n);
+    if (s->normal != NULL) blend_normals(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), n, seen->normal);
+    seen->inside = n[2] < 0.0;
+    for (int a = 0; a < 3; a++) {
+        seen->tangent[a] = seen->inside ? -n[a] : n[a];
+        seen->normal[a] = seen->inside ? -seen->normal[a] : seen->normal[a];
     }
-    return inside;
+    if (seen->normal[2] < 0.0) { /* turned away from the eye though the facet is not */
+        seen->normal[2] = 0.0;
+        scene_unit(seen->normal);
+    }
 }
 
 /* ---- the whole ---- */
@@ -241,7 +250,7 @@ static bvx_status make_scene(bvx_context *ctx, mesh_scene *s)
     BVXI_TRY(bvxi_triangle_bins_open(ctx, s->view->triangle_count, bands, bands_of_triangle, s, &s->bins));
     if (s->picture.options.smooth) BVXI_TRY(average_normals(ctx, s));
     s->picture.draw = draw_scene_rows;
-    s->picture.normal = scene_normal;
+    s->picture.see = see_triangle;
     s->picture.model = s;
     return bvxi_picture_make(ctx, &s->picture);
 }

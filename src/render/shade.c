@@ -11,14 +11,15 @@
 
 #include <math.h>
 
-enum { SHADE_ROUND = 64, SHADE_STEPS = 5, SHADE_MOST_TAPS = 16 * SHADE_STEPS };
+enum { SHADE_ROUND = 48, SHADE_STEPS = 4, SHADE_MOST_TAPS = 12 * SHADE_STEPS };
 
 #define SHADE_REACH 0.16      /* how far occlusion looks, of the picture's shorter side */
 #define SHADE_LEAST_RISE 0.04 /* sines below it come from rounding and from facets of smooth shapes */
+#define SHADE_WRAP 0.15       /* how far light reaches round the edge of the lit side: shapes show in the shadow too */
 #define SHADE_JUMP 0.012      /* depth behind the tangent plane that makes an outline, of the shorter side */
 
 static const double shade_light[3] = {-0.34, 0.46, 0.82};
-static const double shade_inside[3] = {1.0, 0.62, 0.50}; /* times the colour */
+static const double shade_inside[3] = {1.0, 0.74, 0.64}; /* times the colour */
 
 typedef struct shade_tap {
     int32_t dx, dy;
@@ -35,11 +36,11 @@ struct bvxi_shade {
 
 /* ---- which places are looked at ---- */
 
-/* 64 directions round the circle: halve a quarter four times, then turn on. */
+/* Directions round the circle: halve a sixth three times, then turn on. */
 static void shade_circle(double circle[SHADE_ROUND][2])
 {
-    double c = 0.0, s = 1.0;
-    for (int k = 0; k < 4; k++) {
+    double c = 0.5, s = sqrt(0.75);
+    for (int k = 0; k < 3; k++) {
         double const half = sqrt((1.0 + c) * 0.5);
         s = s / (2.0 * half);
         c = half;
@@ -79,7 +80,7 @@ static void shade_taps(bvxi_shade *s, int32_t patterns, double reach)
 
 bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_shade **shade)
 {
-    static const int32_t directions[5] = {0, 16, 8, 6, 4};
+    static const int32_t directions[5] = {0, 12, 6, 4, 3};
     const bvxi_raster *const r = &picture->raster;
     double const side = (double)(r->width < r->height ? r->width : r->height);
     double const length = sqrt(bvxi_camera_dot(shade_light, shade_light));
@@ -116,7 +117,7 @@ static double shade_occlusion(const bvxi_shade *s, int32_t x, int32_t y, int32_t
             int32_t const tx = x + tap->dx, ty = y + tap->dy;
             if (tx < 0 || ty < 0 || tx >= r->width || ty >= r->height) break; /* the steps behind it are outside too */
             double const dz = (double)r->depth[(size_t)ty * (size_t)r->width + (size_t)tx] - z;
-            double const rise = n[0] * tap->dx - n[1] * tap->dy + n[2] * dz;
+            double const rise = n[0] * tap->dx - n[1] * tap->dy + n[2] * dz - s->picture->roughness;
             if (rise > 0.0) {
                 double const length2 = (double)tap->dx * tap->dx + (double)tap->dy * tap->dy + dz * dz;
                 double const fade = 1.0 - length2 / s->reach2;
@@ -147,13 +148,13 @@ static int shade_is_outline(const bvxi_shade *s, int32_t x, int32_t y, const dou
     return 0;
 }
 
-static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t pattern, const double n[3])
+static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t pattern, const bvxi_seen *seen)
 {
-    double const open = 1.0 - shade_occlusion(s, x, y, pattern, n);
-    double const facing = bvxi_camera_dot(n, s->light);
-    double const ambient = (0.36 + 0.10 * n[1]) * open * open;
-    double const direct = facing > 0.0 ? 0.72 * facing * (0.45 + 0.55 * open) : 0.0;
-    return (ambient + direct) * (shade_is_outline(s, x, y, n) ? 0.55 : 1.0);
+    double const open = 1.0 - shade_occlusion(s, x, y, pattern, seen->tangent);
+    double const facing = (bvxi_camera_dot(seen->normal, s->light) + SHADE_WRAP) / (1.0 + SHADE_WRAP);
+    double const ambient = (0.34 + 0.06 * seen->normal[1]) * open * open;
+    double const direct = facing > 0.0 ? 0.74 * facing * (0.45 + 0.55 * open) : 0.0;
+    return (ambient + direct) * (shade_is_outline(s, x, y, seen->tangent) ? 0.5 : 1.0);
 }
 
 /* ---- pixels ---- */
@@ -163,12 +164,12 @@ static uint8_t shade_byte(double v)
     return v <= 0.0 ? 0 : v >= 254.5 ? 255 : (uint8_t)(v + 0.5);
 }
 
-static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, uint8_t *pixel)
+static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *seen, uint8_t *pixel)
 {
     const bvxi_picture *const p = s->picture;
     const bvxi_raster *const r = &p->raster;
     int32_t const side = p->options.samples;
-    double sum[3] = {0.0, 0.0, 0.0}, n[3];
+    double sum[3] = {0.0, 0.0, 0.0};
     for (int32_t k = 0; k < side * side; k++) {
         int32_t const x = px * side + k % side, y = py * side + k / side;
         uint32_t const id = r->id[(size_t)y * (size_t)r->width + (size_t)x];
@@ -176,9 +177,9 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, uint8_t *pi
             for (int a = 0; a < 3; a++) sum[a] += p->options.background[a];
             continue;
         }
-        int const inside = p->normal(p->model, id, x, y, n);
-        double const strength = shade_strength(s, x, y, k, n);
-        for (int a = 0; a < 3; a++) sum[a] += p->options.colour[a] * strength * (inside ? shade_inside[a] : 1.0);
+        p->see(p->model, r, id, x, y, seen);
+        double const strength = shade_strength(s, x, y, k, seen);
+        for (int a = 0; a < 3; a++) sum[a] += p->options.colour[a] * strength * (seen->inside ? shade_inside[a] : 1.0);
     }
     for (int a = 0; a < 3; a++) pixel[a] = shade_byte(sum[a] / (side * side));
 }
@@ -186,7 +187,9 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, uint8_t *pi
 void bvxi_shade_rows(const bvxi_shade *shade, int32_t begin, int32_t end)
 {
     const bvx_image *const image = &shade->picture->image;
+    bvxi_seen seen;
+    memset(&seen, 0, sizeof seen);
     for (int32_t y = begin; y < end; y++)
         for (int32_t x = 0; x < image->width; x++)
-            shade_pixel(shade, x, y, image->pixels + ((size_t)y * (size_t)image->width + (size_t)x) * 3);
+            shade_pixel(shade, x, y, &seen, image->pixels + ((size_t)y * (size_t)image->width + (size_t)x) * 3);
 }

@@ -6,6 +6,7 @@
  * A first pass counts vertices and triangles of each row of cells, prefix sums give every row its place, a second pass
  * writes. Guarantee: closed where sides are closed, outwards, manifold, canonical order; no thread shows in it. */
 #include "surface/march.h"
+#include "mesh/mesh.h"
 
 enum { SLOT_GRAIN = 64 };
 
@@ -135,51 +136,6 @@ void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
     bvxi_free(ctx, m->slots, (m->slot_count + 1) * sizeof *m->slots);
 }
 
-/* ---- the mesh's arrays ---- */
-
-static uint64_t extract_position_bytes(const bvx_extract_options *o)
-{
-    return o->position_type == BVX_F32 ? 12 : 24;
-}
-
-/* Arrays of the caller's are taken when they suffice; otherwise all are made. */
-static bvx_status open_mesh(bvx_context *ctx, const bvxi_march *m, bvx_mesh *mesh)
-{
-    bvx_status status;
-    bvx_mesh made = *mesh;
-    if (mesh->positions != NULL || mesh->triangles != NULL) {
-        if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != m->options.position_type)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: arrays of the caller's need both positions of the type asked for and triangles",
-                             m->function);
-        if (m->options.keys && (mesh->vertex_keys == NULL || mesh->triangle_keys == NULL))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys are asked for and the mesh given has no arrays for them", m->function);
-        if (mesh->vertex_capacity < m->vertex_count || mesh->triangle_capacity < m->triangle_count)
-            return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the surface has %u vertices and %u triangles, the arrays hold %u and %u",
-                             m->function, m->vertex_count, m->triangle_count, mesh->vertex_capacity, mesh->triangle_capacity);
-        mesh->vertex_count = m->vertex_count;
-        mesh->triangle_count = m->triangle_count;
-        memset(mesh->frame, 0, sizeof mesh->frame);
-        return BVX_OK;
-    }
-    memset(&made, 0, sizeof made);
-    made.owned = 1;
-    made.position_type = m->options.position_type;
-    made.vertex_count = made.vertex_capacity = m->vertex_count;
-    made.triangle_count = made.triangle_capacity = m->triangle_count;
-    status = bvxi_alloc(ctx, BVXI_RESULT, m->vertex_count * extract_position_bytes(&m->options), "the positions", &made.positions);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, m->triangle_count * 12, "the triangles", &made.triangles);
-    if (status == BVX_OK && m->options.keys) {
-        status = bvxi_alloc(ctx, BVXI_RESULT, m->vertex_count * 8, "the vertex keys", &made.vertex_keys);
-        if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, m->triangle_count * 8, "the triangle keys", &made.triangle_keys);
-    }
-    if (status != BVX_OK) {
-        bvx_mesh_free(ctx, &made);
-        return status;
-    }
-    *mesh = made;
-    return BVX_OK;
-}
-
 /* x of every edge's middle (bit e lies between centres e-1 and e) and of every centre (bit i). */
 static bvx_status place_across(bvx_context *ctx, bvxi_march *m)
 {
@@ -198,7 +154,7 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
     int const mine = mesh->positions == NULL;
     bvx_status status;
     BVXI_TRY(place_across(ctx, m));
-    BVXI_TRY(open_mesh(ctx, m, mesh));
+    BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, m->options.keys, m->vertex_count, m->triangle_count, mesh));
     if (m->options.local_frame) memcpy(mesh->frame, m->grid->lattice.origin, sizeof mesh->frame);
     m->mesh = mesh;
     status = bvxi_parallel(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);

@@ -3,6 +3,7 @@
  * Vertices on a shared layer come from both windows with one key and one position; sorting by key brings them together
  * and puts everything into the whole's order. Triangles of a cell come from one window, in the order of its slots, which
  * a stable sort keeps. Guarantee: the bytes of the surface extracted at once. */
+#include "mesh/mesh.h"
 #include "mesh/radix.h"
 
 static const char merge_name[] = "bvx_mesh_merge";
@@ -109,30 +110,15 @@ static uint64_t count_different(const uint64_t *keys, uint64_t n)
     return different;
 }
 
-static bvx_status open_whole(bvx_context *ctx, const merge_work *w, uint64_t vertices, bvx_mesh *whole)
-{
-    bvx_status status;
-    memset(whole, 0, sizeof *whole);
-    whole->owned = 1;
-    whole->position_type = w->parts[0].position_type;
-    memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
-    whole->vertex_count = whole->vertex_capacity = vertices;
-    whole->triangle_count = whole->triangle_capacity = w->triangles;
-    status = bvxi_alloc(ctx, BVXI_RESULT, vertices * (whole->position_type == BVX_F32 ? 12 : 24), "the merged positions", &whole->positions);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, w->triangles * 12, "the merged triangles", &whole->triangles);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, vertices * 8, "the merged vertex keys", &whole->vertex_keys);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_RESULT, w->triangles * 8, "the merged triangle keys", &whole->triangle_keys);
-    if (status != BVX_OK) bvx_mesh_free(ctx, whole);
-    return status;
-}
-
 static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start, bvx_mesh *whole)
 {
     bvx_status status;
     BVXI_TRY(bvxi_progress(ctx, "merge", 0.0));
     BVXI_TRY(sort_keys(ctx, w, 0));
     start_parts(w, 0, vertex_start);
-    BVXI_TRY(open_whole(ctx, w, count_different(w->keys, w->vertices), whole));
+    memset(whole, 0, sizeof *whole);
+    BVXI_TRY(bvxi_mesh_open(ctx, merge_name, w->parts[0].position_type, 1, count_different(w->keys, w->vertices), w->triangles, whole));
+    memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
     merge_vertices(w, vertex_start, whole);
     status = bvxi_progress(ctx, "merge", 0.5);
     if (status == BVX_OK) status = sort_keys(ctx, w, 1);

@@ -197,6 +197,21 @@ static void levels_of(golden *g, const bvx_grid *solid)
     }
 }
 
+static void collapsed_of(golden *g, const bvx_grid *solid)
+{
+    static const uint64_t target = 1500;
+    bvx_mesh level = {0};
+    bvx_lod_options options;
+    uint64_t hash = 0;
+    bvx_lod_options_init(&options, sizeof options);
+    options.target_triangles = &target;
+    options.collapse = 2.5;
+    if (golden_good(g, bvx_build_lods(g->context, solid, &options, 1, &level)) &&
+        golden_good(g, bvx_mesh_hash(g->context, &level, &hash)))
+        golden_hex(g, "collapsed", hash);
+    bvx_mesh_free(g->context, &level);
+}
+
 static void solid_values(golden *g, const solid_case *c)
 {
     bvx_voxelize_options options;
@@ -220,7 +235,10 @@ static void solid_values(golden *g, const solid_case *c)
         golden_u64(g, "crossings", report.crossings);
         golden_u64(g, "unbalanced", report.unbalanced_rows);
         surfaces_of(g, &solid);
-        if (c->window.size[0] == 0) levels_of(g, &solid);
+        if (c->window.size[0] == 0) {
+            levels_of(g, &solid);
+            collapsed_of(g, &solid);
+        }
     }
     golden_end(g);
     bvx_grid_free(g->context, &solid);

@@ -15,7 +15,7 @@ typedef struct shape {
     uint32_t vertices, triangles;
 } shape;
 
-static uint64_t shape_random(uint64_t *state)
+static inline uint64_t shape_random(uint64_t *state)
 {
     *state ^= *state << 13;
     *state ^= *state >> 7;
@@ -23,7 +23,7 @@ static uint64_t shape_random(uint64_t *state)
     return *state;
 }
 
-static void shape_triangle(shape *s, uint32_t a, uint32_t b, uint32_t c)
+static inline void shape_triangle(shape *s, uint32_t a, uint32_t b, uint32_t c)
 {
     s->t[s->triangles][0] = a;
     s->t[s->triangles][1] = b;
@@ -32,7 +32,7 @@ static void shape_triangle(shape *s, uint32_t a, uint32_t b, uint32_t c)
 }
 
 /* Point number i of n round the unit circle: four quarters of the rational parametrization, no sine. */
-static void shape_circle(int32_t i, int32_t n, double *x, double *y)
+static inline void shape_circle(int32_t i, int32_t n, double *x, double *y)
 {
     int32_t const quarter = 4 * i / n;
     double const u = 4.0 * i / n - quarter, d = 1.0 + u * u, a = (1.0 - u * u) / d, b = 2.0 * u / d;
@@ -41,7 +41,7 @@ static void shape_circle(int32_t i, int32_t n, double *x, double *y)
 }
 
 /* A torus whose tube swells and is dented by a fixed generator: closed, one handle. */
-static void shape_torus(shape *s, int32_t n, int32_t m, double dent, uint64_t seed)
+static inline void shape_torus(shape *s, int32_t n, int32_t m, double dent, uint64_t seed)
 {
     s->vertices = s->triangles = 0;
     for (int32_t i = 0; i < n; i++) {
@@ -67,7 +67,7 @@ static void shape_torus(shape *s, int32_t n, int32_t m, double dent, uint64_t se
 }
 
 /* A ball of an octahedron's faces cut n times, pushed out to the unit sphere. */
-static void shape_ball(shape *s, int32_t n)
+static inline void shape_ball(shape *s, int32_t n)
 {
     s->vertices = s->triangles = 0;
     for (int32_t face = 0; face < 8; face++) {
@@ -94,7 +94,7 @@ static void shape_ball(shape *s, int32_t n)
 }
 
 /* A soup: triangles of all sizes, many of them through each other. */
-static void shape_soup(shape *s, int32_t n, uint64_t seed)
+static inline void shape_soup(shape *s, int32_t n, uint64_t seed)
 {
     s->vertices = s->triangles = 0;
     for (int32_t i = 0; i < n; i++) {
@@ -109,7 +109,7 @@ static void shape_soup(shape *s, int32_t n, uint64_t seed)
     }
 }
 
-static void shape_view(const shape *s, bvx_mesh_view *view)
+static inline void shape_view(const shape *s, bvx_mesh_view *view)
 {
     bvx_mesh_view const empty = {0};
     *view = empty;
