@@ -58,9 +58,10 @@ static inline int exact_sign(exact_number a)
 static inline int exact_sign_of_sum(int64_t a0, int64_t b0, int64_t a1, int64_t b1, int64_t a2, int64_t b2)
 {
 #if defined(__SIZEOF_INT128__) && !defined(EXACT_PLAIN)
-    if (a0 == (int32_t)a0 && a1 == (int32_t)a1 && a2 == (int32_t)a2) { /* products below 2^94, 2^96 in sum */
-        __extension__ __int128 const s = (__extension__ __int128)a0 * b0 + (__extension__ __int128)a1 * b1 +
-                                         (__extension__ __int128)a2 * b2;
+    int64_t const most = INT64_C(1) << 60; /* products below 2^123, 2^125 in sum */
+    if (a0 < most && a0 > -most && a1 < most && a1 > -most && a2 < most && a2 > -most) {
+        __extension__ typedef __int128 exact_wide;
+        exact_wide const s = (exact_wide)a0 * b0 + (exact_wide)a1 * b1 + (exact_wide)a2 * b2;
         return (s > 0) - (s < 0);
     }
 #endif
