@@ -346,7 +346,7 @@ enum {
 };
 
 typedef struct bvx_solid_report {
-    uint64_t triangles_used;  /**< triangles that cover the centre of a row of the window */
+    uint64_t triangles_used;  /**< triangles whose box holds the centre of a row of the window (once for each 65535 rows a side) */
     uint64_t crossings;       /**< of rows with the surface, also outside the window along x */
     uint64_t unbalanced_rows; /**< rows redone without their unmatched crossings: the mesh has a hole there */
     uint64_t dropped;         /**< unmatched crossings dropped in them */

@@ -91,8 +91,7 @@ typedef struct cli_report {
     int meshes;
     char *warning[CLI_MAX_WARNINGS];
     int warnings;
-    uint64_t file_bytes;     /* most bytes of files held at once */
-    uint64_t peak_bytes;
+    uint64_t peak_bytes;     /* most bytes held for data */
     char error_code[32];
     char error_message[1024];
 } cli_report;

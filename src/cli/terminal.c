@@ -76,13 +76,17 @@ static int is_terminal(FILE *file)
 #endif
 }
 
+/* Stages are named by the library's functions: "bvx_voxelize_solid" reads "voxelize solid". */
 static void draw_bar(const char *stage, double fraction)
 {
-    char bar[BAR_WIDTH + 1];
+    char bar[BAR_WIDTH + 1], name[40];
     int const filled = (int)(fraction * BAR_WIDTH);
     for (int i = 0; i < BAR_WIDTH; i++) bar[i] = i < filled ? '#' : '.';
     bar[BAR_WIDTH] = 0;
-    fprintf(stderr, "\r[%s] %3.0f %% %s\033[K", bar, fraction * 100.0, stage);
+    snprintf(name, sizeof name, "%s", strncmp(stage, "bvx_", 4) == 0 ? stage + 4 : stage);
+    for (char *p = name; *p != 0; p++)
+        if (*p == '_') *p = ' ';
+    fprintf(stderr, "\r[%s] %3.0f %% %s\033[K", bar, fraction * 100.0, name);
     fflush(stderr);
 }
 

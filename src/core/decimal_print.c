@@ -2,9 +2,9 @@
  *
  * Source: Giulietti. The Schubfach way to render doubles. 2020.
  * With 10^k the largest power of ten not above the distance of two neighbours, the interval that rounds to a number
- * holds a multiple of 10^k, and at most one of 10^(k+1). All comparisons are between values scaled to about 60 bits and
- * rounded to odd, which keeps their order exact; the scaling is by a 128-bit power of ten, and by big integers where that
- * cannot tell.
+ * holds a multiple of 10^k, and at most one of 10^(k+1). All comparisons are between values scaled to about 60 bits
+ * and rounded to odd, which keeps their order exact; the scaling is by a 128-bit power of ten, and by big integers where
+ * that cannot tell.
  * Guarantee: the text reads back to the same bits, no shorter one does, and of those as short it is the closest. */
 #include "core/core.h"
 #include "core/decimal.h"
@@ -33,7 +33,8 @@ static uint64_t decimal_scale_odd(uint64_t c, int32_t q, int32_t k)
 /* The shortest digits * 10^k between the middles to c's neighbours, the closest of them. c is not 0. */
 static uint64_t decimal_shortest(uint64_t c, int32_t q, const decimal_kind *kind, int32_t *exponent)
 {
-    int const uneven = c == UINT64_C(1) << (kind->precision - 1) && q != kind->low_exponent; /* nearer on its low side */
+    /* The neighbour below the first number of an exponent is nearer than the one above. */
+    int const uneven = c == UINT64_C(1) << (kind->precision - 1) && q != kind->low_exponent;
     int32_t const k = uneven ? decimal_log10_of_less(q) : decimal_log10_of_two(q);
     uint64_t const odd = c & 1; /* the middles themselves round to c only when it is even */
     uint64_t const low = decimal_scale_odd(4 * c - (uneven ? 1 : 2), q, k) + odd;

@@ -120,7 +120,7 @@ BVXI_VECTOR_INLINE void cover_sample_row(const bvxi_downsample *d, int32_t j, in
             if (n < 0) n = 0;
             blend_rows(d, j, k, first, n, any, all);
         }
-        if (end - first * 64 > n * 64 && end <= x->voxels) sum = cover_box(d, i, j, k, fast);
+        if (end > (first + n) * 64 && first + n < d->fine->words_per_row) sum = cover_box(d, i, j, k, fast);
         else if (range_is(any, n, begin - first * 64, end - first * 64, 0)) sum = 0;
         else if (end <= x->voxels && range_is(all, n, begin - first * 64, end - first * 64, 1)) sum = d->total;
         else sum = cover_box(d, i, j, k, fast);

@@ -40,14 +40,20 @@ static bvx_status open_coarse(bvx_context *ctx, const char *function, bvxi_downs
     double origin[3], spacing[3];
     int32_t dims[3];
     bvx_lattice lattice;
+    bvx_window whole = {{0, 0, 0}, {0, 0, 0}};
+    uint64_t *memory = NULL, words;
     for (int32_t a = 0; a < 3; a++) {
+        whole.size[a] = d->axis[a].count;
         origin[a] = fine->lattice.origin[a] + (double)fine->low[a] * fine->lattice.spacing[a];
         spacing[a] = fine->lattice.spacing[a] * d->axis[a].n / d->axis[a].r;
         dims[a] = d->axis[a].count;
     }
     BVXI_TRY(bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
-    (void)function;
-    return bvx_grid_create(ctx, &lattice, NULL, &d->coarse);
+    words = bvx_grid_bound(&lattice, NULL); /* of at most 2^20 a side, so 64 bits hold it */
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the level's samples", &memory));
+    d->coarse.words = memory; /* scratch, so that an arena keeps results without gaps */
+    d->coarse.word_capacity = words;
+    return bvxi_grid_open(ctx, function, &lattice, &whole, &d->coarse);
 }
 
 bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine, const int32_t n[3],
@@ -88,7 +94,7 @@ void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d)
 {
     uint64_t const samples = (uint64_t)d->axis[0].count * (uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count;
     bvxi_free(ctx, d->value, samples * sizeof *d->value);
-    if (d->coarse.words != NULL) bvx_grid_free(ctx, &d->coarse);
+    bvxi_free(ctx, d->coarse.words, d->coarse.word_capacity * 8);
     bvxi_free(ctx, d->tables, d->table_bytes);
     memset(d, 0, sizeof *d);
 }

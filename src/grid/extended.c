@@ -68,14 +68,17 @@ static int32_t edge_steps(const bvxi_downsample *d, int32_t axis)
 
 bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
 {
-    int64_t most = 1;
-    d->total = 1;
-    for (int32_t a = 0; a < 3; a++) d->total *= 2 * (int64_t)d->axis[a].r; /* each below 2^21: 63 bits at most */
-    for (int32_t a = 0; a < 3; a++)
-        if (edge_steps(d, a) > most) most = edge_steps(d, a);
-    if (d->total > INT64_MAX / 2 / most)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_build_lods: %d x %d x %d samples with %d steps an edge need more than 63 bits; take fewer steps or coverage",
+    uint64_t total = 1, most = 1;
+    int fits = 1;
+    for (int32_t a = 0; a < 3; a++) {
+        uint64_t const steps = (uint64_t)edge_steps(d, a);
+        total = bvxi_mul(total, 2 * (uint64_t)d->axis[a].r, &fits);
+        if (steps > most) most = steps;
+    }
+    if (!fits || total > INT64_MAX / 2 / most)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_build_lods: %d x %d x %d samples with %u steps an edge need more than 63 bits; take fewer steps or coverage",
                          (int64_t)d->axis[0].r, (int64_t)d->axis[1].r, (int64_t)d->axis[2].r, most);
+    d->total = (int64_t)total;
     d->limit = bvxi_weight_limit(d->total, d->threshold);
     return bvxi_parallel(ctx, "lod", 0.0, 0.5, d->pieces, sample_piece, d);
 }

@@ -72,6 +72,7 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
     BVXI_TRY(bvxi_lattice_check(ctx, function, &grid->lattice));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
+    if (grid->size[0] < 1) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid's size is %d along x", function, (int64_t)grid->size[0]);
     BVXI_TRY(bvxi_window_take(ctx, function, &grid->lattice, &window, &unused));
     if (grid->words_per_row != bvxi_row_words(grid->size[0]))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has %d words per row, %d voxels need %d", function,
@@ -107,6 +108,7 @@ bvx_status bvx_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *h
     bvxi_hash_i32(&h, &grid->lattice.fraction_bits, 1);
     bvxi_hash_f64(&h, grid->lattice.origin, 3);
     bvxi_hash_f64(&h, grid->lattice.spacing, 3);
+    bvxi_hash_start(&h, bvxi_hash_end(&h));
     bvxi_hash_u64(&h, grid->words, (size_t)bvxi_grid_words(grid));
     *hash = bvxi_hash_end(&h);
     return BVX_OK;

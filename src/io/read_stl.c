@@ -123,8 +123,8 @@ static bvx_status stl_fail_coordinate(const bvxi_source *s, const uint8_t *at, u
                      triangle, (int64_t)corner, bvxi_source_byte(s, at));
 }
 
-/* Corners of triangles that are welded together: their hashes come first, so that the table's lines, which lie anywhere,
- * are on their way from memory when they are asked for. */
+/* Corners of some triangles, welded at a time: their hashes come first, so that the places in the table, which may lie
+ * anywhere, are on their way from memory when they are asked for. */
 typedef struct stl_corners {
     uint32_t bits[STL_BATCH * 3][3];
     uint64_t hash[STL_BATCH * 3];
@@ -146,7 +146,7 @@ static bvx_status stl_take_batch(stl_mesh *m, const uint8_t *p, uint64_t first, 
     }
     for (uint64_t t = 0; t < n; t++) {
         uint32_t v[3];
-        for (int k = 0; k < 3; k++) BVXI_TRY(stl_weld(m, c->bits[3 * t + (uint64_t)k], c->hash[3 * t + (uint64_t)k], &v[k]));
+        for (uint64_t k = 0; k < 3; k++) BVXI_TRY(stl_weld(m, c->bits[3 * t + k], c->hash[3 * t + k], &v[k]));
         BVXI_TRY(stl_add_triangle(m, v[0], v[1], v[2]));
     }
     return BVX_OK;
@@ -275,8 +275,8 @@ static bvx_status stl_tell_apart(const bvxi_source *s, int *binary, uint64_t *co
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "STL: %u bytes, no text, and a binary header has 84", size);
     if (STL_HEADER + STL_TRIANGLE * *count > size)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
-                         "STL: the header (byte 80) says %u triangles, which take %u bytes, but the file has %u", *count,
-                         STL_HEADER + STL_TRIANGLE * *count, size);
+                         "STL: the header (byte 80) says %u triangles, which take %u bytes, but the file has %u",
+                         *count, STL_HEADER + STL_TRIANGLE * *count, size);
     return BVX_OK;
 }
 

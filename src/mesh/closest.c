@@ -80,15 +80,15 @@ static void closest_box_distances(const bvxi_closest_node *node, const double at
  * The margins are twice that. */
 static void begin_closest_search(const bvxi_closest_tree *tree, const double point[3], closest_search *s)
 {
-    double far = 0.0;
+    double reach = 0.0;
     for (int a = 0; a < 3; a++) {
         double const x = (point[a] - tree->centre[a]) * tree->box_scale;
-        far = x > far ? x : -x > far ? -x : far;
+        reach = x > reach ? x : -x > reach ? -x : reach;
         s->at[a] = x;
     }
-    s->is_near = far <= 8.0;
+    s->is_near = reach <= 8.0;
     for (int a = 0; a < 3; a++) s->at_f[a] = s->is_near ? (float)s->at[a] : 0.0f;
-    s->margin = (1.0 + far) * (s->is_near ? 0x1p-19 : 0x1p-45);
+    s->margin = (1.0 + reach) * (s->is_near ? 0x1p-19 : 0x1p-45);
 }
 
 void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uint32_t hint, bvxi_closest *found)

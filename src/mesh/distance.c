@@ -62,7 +62,7 @@ static uint64_t owner_of_area(const double *area_before, uint64_t count, double 
     return low;
 }
 
-static void take_distance_sample(const distance_work *w, uint64_t i, bvxi_closest *near, distance_sums *s)
+static void take_distance_sample(const distance_work *w, uint64_t i, bvxi_closest *nearest, distance_sums *s)
 {
     const bvxi_closest_tree *const from = w->from;
     double const total = w->area_before[from->triangle_count - 1];
@@ -72,11 +72,11 @@ static void take_distance_sample(const distance_work *w, uint64_t i, bvxi_closes
     bvxi_closest_corners(from, owner_of_area(w->area_before, from->triangle_count, share), t);
     for (int a = 0; a < 3; a++) p[a] = (1.0 - r) * t[0][a] + r * (1.0 - q) * t[1][a] + r * q * t[2][a];
     double const length = bvxi_facet_normal((const double(*)[3])t, n);
-    bvxi_closest_find(w->to, p, near->place, near);
-    d = sqrt(near->distance2);
+    bvxi_closest_find(w->to, p, nearest->place, nearest);
+    d = sqrt(nearest->distance2);
     s->sum += d;
     s->max = d > s->max ? d : s->max;
-    bvxi_closest_corners(w->to, near->place, t);
+    bvxi_closest_corners(w->to, nearest->place, t);
     double const other = bvxi_facet_normal((const double(*)[3])t, m);
     if (other > 0.0) {
         double const cosine = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / length / other;
@@ -89,11 +89,11 @@ static void measure_distance_block(void *user, int32_t index, int32_t worker)
 {
     const distance_work *const w = user;
     distance_sums s = {0.0, 0.0, 0.0, 0};
-    bvxi_closest near = {{0.0, 0.0, 0.0}, 0.0, 0, 0};
+    bvxi_closest nearest = {{0.0, 0.0, 0.0}, 0.0, 0, 0};
     uint64_t begin, end;
     (void)worker;
     bvxi_piece(w->samples, w->blocks, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) take_distance_sample(w, i, &near, &s);
+    for (uint64_t i = begin; i < end; i++) take_distance_sample(w, i, &nearest, &s);
     w->sums[index] = s;
 }
 
@@ -115,9 +115,8 @@ static void add_distance_blocks(const distance_work *w, distance_way *way)
     way->normal = all.normal_count != 0 ? all.normal_sum / (double)all.normal_count : 0.0;
 }
 
-static bvx_status measure_distance_one_way(bvx_context *ctx, const char *name, const bvxi_closest_tree *from,
-                                           const bvxi_closest_tree *to, uint64_t samples, uint64_t key,
-                                           double progress, distance_way *way)
+static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_tree *from, const bvxi_closest_tree *to,
+                                           uint64_t samples, uint64_t key, double progress, distance_way *way)
 {
     uint64_t const area_bytes = from->triangle_count * sizeof(double);
     int32_t const blocks = bvxi_piece_count(samples, 64);
@@ -131,11 +130,8 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const char *name, c
         add_curve_areas(from, areas);
         w.area_before = areas;
         w.sums = sums;
-        if (!(areas[from->triangle_count - 1] > 0.0))
-            status = bvxi_fail(ctx, BVX_ERR_EMPTY, "bvx_mesh_distance: mesh %s has no triangle with an area", name);
-    }
-    if (status == BVX_OK)
         status = bvxi_parallel(ctx, "distance", progress, progress + 0.4, blocks, measure_distance_block, &w);
+    }
     if (status == BVX_OK) add_distance_blocks(&w, way);
     bvxi_free(ctx, sums, (uint64_t)blocks * sizeof *sums);
     bvxi_free(ctx, areas, area_bytes);
@@ -173,18 +169,34 @@ static double distance_scale(const distance_side *a, const distance_side *b)
     return bvxi_unit_scale(low, high);
 }
 
-static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_side *a, const distance_side *b,
-                                             uint64_t samples, uint64_t seed, bvx_distance_report *report)
+/* Samples need an area to lie on. */
+static bvx_status require_area(bvx_context *ctx, const char *function, const bvx_mesh_view *v, double scale)
 {
-    double const scale = distance_scale(a, b);
+    double t[3][3], n[3];
+    uint32_t c[3];
+    for (uint64_t i = 0; i < v->triangle_count; i++) {
+        bvxi_view_triangle(v, i, c);
+        for (int k = 0; k < 3; k++) {
+            bvxi_view_position(v, c[k], t[k]);
+            for (int a = 0; a < 3; a++) t[k][a] *= scale;
+        }
+        if (bvxi_facet_normal((const double(*)[3])t, n) > 0.0) return BVX_OK;
+    }
+    return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no triangle has an area", function);
+}
+
+static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_side *a, const distance_side *b,
+                                             double scale, uint64_t samples, uint64_t seed,
+                                             bvx_distance_report *report)
+{
     uint64_t const key_a = distance_mix(seed), key_b = distance_mix(key_a + 1);
     bvxi_closest_tree tree_a, tree_b;
     distance_way ab, ba;
     bvx_status status;
     BVXI_TRY(bvxi_closest_build(ctx, "distance", 0.0, 0.1, a->view, a->low, a->high, scale, &tree_a));
     status = bvxi_closest_build(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale, &tree_b);
-    if (status == BVX_OK) status = measure_distance_one_way(ctx, "a", &tree_a, &tree_b, samples, key_a, 0.2, &ab);
-    if (status == BVX_OK) status = measure_distance_one_way(ctx, "b", &tree_b, &tree_a, samples, key_b, 0.6, &ba);
+    if (status == BVX_OK) status = measure_distance_one_way(ctx, &tree_a, &tree_b, samples, key_a, 0.2, &ab);
+    if (status == BVX_OK) status = measure_distance_one_way(ctx, &tree_b, &tree_a, samples, key_b, 0.6, &ba);
     if (status == BVX_OK) make_distance_report(&ab, &ba, samples, seed, report);
     bvxi_closest_free(ctx, &tree_b);
     bvxi_closest_free(ctx, &tree_a);
@@ -196,6 +208,7 @@ bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const
 {
     static const char *const function_a = "bvx_mesh_distance, mesh a", *const function_b = "bvx_mesh_distance, mesh b";
     distance_side side_a, side_b;
+    double scale;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (report == NULL) return bvxi_fail_null(context, "bvx_mesh_distance", "report");
     memset(report, 0, sizeof *report);
@@ -207,5 +220,8 @@ bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const
     side_b.view = b;
     BVXI_TRY(bvxi_view_bounds(context, function_a, a, side_a.low, side_a.high));
     BVXI_TRY(bvxi_view_bounds(context, function_b, b, side_b.low, side_b.high));
-    return measure_distance_both_ways(context, &side_a, &side_b, samples, seed, report);
+    scale = distance_scale(&side_a, &side_b);
+    BVXI_TRY(require_area(context, function_a, a, scale));
+    BVXI_TRY(require_area(context, function_b, b, scale));
+    return measure_distance_both_ways(context, &side_a, &side_b, scale, samples, seed, report);
 }

@@ -55,7 +55,7 @@ static inline int bvxi_view_packed_u32(const bvx_mesh_view *v)
     return v->indices != NULL && v->index_type == BVX_U32 && bvxi_view_index_stride(v) == 12;
 }
 
-/* Corners of triangle t as they stand in the file; u64 indices are not cut short. */
+/* Corners of triangle t as the caller gave them; u64 indices are not cut short. */
 static inline void bvxi_view_raw_triangle(const bvx_mesh_view *v, uint64_t t, uint64_t corner[3])
 {
     if (v->indices == NULL) {

@@ -158,24 +158,31 @@ static void move_positions(const lod_job *job, const bvx_lattice *lattice, const
     if (local) memcpy(mesh->frame, lattice->origin, sizeof mesh->frame);
 }
 
-/* Extract in doubles relative to the lattice, collapse to the target, hand over. */
+/* Extract in doubles relative to the lattice, into scratch; collapse to the target; hand over. */
 static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_march *march, bvx_mesh *mesh)
 {
     uint64_t const target = job->options->target_triangles[job->level];
     bvx_mesh fine = {0};
     bvx_status status;
-    march->options.position_type = BVX_F64;
+    march->options.position_type = fine.position_type = BVX_F64;
     march->options.local_frame = 1;
     memset(march->origin, 0, sizeof march->origin);
-    BVXI_TRY(bvxi_march_fill(ctx, march, &fine));
-    status = bvxi_collapse(ctx, fine.positions, &fine.vertex_count, fine.triangles, &fine.triangle_count, target);
+    fine.vertex_capacity = march->vertex_count;
+    fine.triangle_capacity = march->triangle_count;
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.vertex_capacity * 24, "the positions before collapse", &fine.positions);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.triangle_capacity * 12, "the triangles before collapse", &fine.triangles);
+    if (status == BVX_OK) status = bvxi_march_fill(ctx, march, &fine);
+    if (status == BVX_OK)
+        status = bvxi_collapse(ctx, fine.positions, &fine.vertex_count, fine.triangles, &fine.triangle_count, target);
     if (status == BVX_OK && fine.triangle_count > target)
         status = bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; collapsing its %u ends at %u", lod_name,
                            job->level, target, march->triangle_count, fine.triangle_count);
     if (status == BVX_OK)
         status = bvxi_mesh_open(ctx, lod_name, job->options->position_type, 0, fine.vertex_count, fine.triangle_count, mesh);
     if (status == BVX_OK) move_positions(job, &march->grid->lattice, &fine, mesh);
-    bvx_mesh_free(ctx, &fine);
+    bvxi_free(ctx, fine.triangles, fine.triangle_capacity * 12);
+    bvxi_free(ctx, fine.positions, fine.vertex_capacity * 24);
     return status;
 }
 
@@ -211,6 +218,22 @@ static uint64_t search_target(uint64_t asked, double collapse)
     return collapse == 0 ? asked : more < 4e9 ? (uint64_t)more : UINT32_MAX;
 }
 
+/* Where bisection ends at nothing, as with a sheet that only some resolutions meet: the largest below that keeps something
+ * within the target, or 0. */
+static bvx_status search_downwards(bvx_context *ctx, lod_job *job, uint64_t target, int32_t from, int32_t *resolution,
+                                   uint64_t *seen)
+{
+    for (int32_t r = from - 1; r > 0; r--) {
+        uint64_t count;
+        BVXI_TRY(count_level(ctx, job, r, &count));
+        *resolution = r;
+        if (count != 0 && count <= target) return BVX_OK;
+        *seen += count;
+    }
+    *resolution = 0;
+    return BVX_OK;
+}
+
 static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *resolution)
 {
     uint64_t const asked = job->options->target_triangles[job->level];
@@ -238,9 +261,12 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
             if (guess <= low) guess = low + 1;
         }
     }
-    if (low_count == 0)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; the coarsest level that keeps anything has %u",
-                         lod_name, job->level, asked, high_count);
+    if (low_count == 0) BVXI_TRY(search_downwards(ctx, job, target, high, &low, &high_count));
+    if (low == 0 && high_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %u keeps nothing of the solid at any resolution", lod_name, job->level);
+    if (low == 0)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; none of the resolutions tried keeps anything in so few",
+                         lod_name, job->level, asked);
     *resolution = low;
     return BVX_OK;
 }

@@ -1,0 +1,179 @@
+/* read_support.h - what the tests of readers and writers share: files in blocks of their exact size, and the checks that
+ * hold after every call. */
+#ifndef TEST_READ_SUPPORT_H
+#define TEST_READ_SUPPORT_H
+
+#include "bitvox.h"
+
+#include "unity.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bvx_context *ctx;
+
+void setUp(void)
+{
+    bvx_context_options o;
+    bvx_context_options_init(&o, sizeof o);
+    o.threads = 1;
+    o.memory_limit = 64 << 20;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+}
+
+void tearDown(void)
+{
+    uint64_t const used = bvx_memory_used(ctx);
+    bvx_context_destroy(ctx);
+    fflush(stdout); /* a leak detector ends the program without */
+    TEST_ASSERT_EQUAL_UINT64(0, used);
+}
+
+/* Indices in range, coordinates finite, arrays of exact size. */
+static inline void check_valid_mesh(const bvx_mesh *m)
+{
+    TEST_ASSERT_TRUE(m->triangle_count > 0 && m->vertex_count > 0 && m->owned == 1);
+    TEST_ASSERT_EQUAL_UINT64(m->vertex_count, m->vertex_capacity);
+    TEST_ASSERT_EQUAL_UINT64(m->triangle_count, m->triangle_capacity);
+    TEST_ASSERT_NULL(m->vertex_keys);
+    TEST_ASSERT_NULL(m->triangle_keys);
+    for (uint64_t i = 0; i < m->triangle_count * 3; i++) TEST_ASSERT_TRUE(m->triangles[i] < m->vertex_count);
+    for (uint64_t i = 0; i < m->vertex_count * 3; i++) {
+        double const v = m->position_type == BVX_F32 ? (double)((float *)m->positions)[i] : ((double *)m->positions)[i];
+        TEST_ASSERT_TRUE(v - v == 0.0);
+    }
+    TEST_ASSERT_EQUAL_UINT64(m->vertex_count * (m->position_type == BVX_F32 ? 12 : 24) + m->triangle_count * 12,
+                             bvx_memory_used(ctx));
+}
+
+/* Read from a block that ends where the file ends, so that a sanitizer sees a read beyond it. */
+static inline bvx_status read_file(const void *bytes, size_t size, int32_t format, bvx_mesh *mesh)
+{
+    static const bvx_mesh empty = {0};
+    char *const copy = malloc(size > 0 ? size : 1);
+    memset(mesh, 0, sizeof *mesh);
+    memcpy(copy, bytes, size);
+    bvx_status const status = bvx_read_mesh(ctx, copy, size, format, mesh);
+    free(copy);
+    if (status == BVX_OK) {
+        check_valid_mesh(mesh);
+    } else {
+        TEST_ASSERT_EQUAL_MEMORY(&empty, mesh, sizeof empty);
+        TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
+        TEST_ASSERT_TRUE(strlen(bvx_last_message(ctx)) > 0);
+    }
+    return status;
+}
+
+static inline void check_refused(const void *bytes, size_t size, int32_t format, bvx_status status, const char *words)
+{
+    bvx_mesh m;
+    bvx_status const got = read_file(bytes, size, format, &m);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(status, got, got == BVX_OK ? (const char *)bytes : bvx_last_message(ctx));
+    if (strstr(bvx_last_message(ctx), words) == NULL)
+        TEST_ASSERT_EQUAL_STRING_MESSAGE(words, bvx_last_message(ctx), "the message lacks these words");
+}
+
+static inline void check_refused_text(const char *text, int32_t format, bvx_status status, const char *words)
+{
+    check_refused(text, strlen(text), format, status, words);
+}
+
+/* Cut the file at every byte: an error, or a valid mesh of no more triangles. Returns how many cuts were read. */
+static inline int check_every_prefix(const void *bytes, size_t size, int32_t format, uint64_t triangles)
+{
+    int good = 0;
+    for (size_t n = 0; n <= size; n++) {
+        bvx_mesh m;
+        if (read_file(bytes, n, format, &m) != BVX_OK) continue;
+        TEST_ASSERT_TRUE(m.triangle_count <= triangles);
+        if (n == size) TEST_ASSERT_EQUAL_UINT64(triangles, m.triangle_count);
+        bvx_mesh_free(ctx, &m);
+        good++;
+    }
+    return good;
+}
+
+/* Corner k of triangle t. */
+static inline void corner_of(const bvx_mesh *m, uint64_t t, int k, double p[3])
+{
+    size_t const v = m->triangles[t * 3 + (uint64_t)k];
+    for (size_t a = 0; a < 3; a++)
+        p[a] = m->position_type == BVX_F32 ? (double)((float *)m->positions)[3 * v + a] : ((double *)m->positions)[3 * v + a];
+}
+
+static inline uint64_t next_random(uint64_t *state)
+{
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    return *state;
+}
+
+static inline void put_u32(uint8_t *p, uint32_t v, int big)
+{
+    for (int i = 0; i < 4; i++) p[i] = (uint8_t)(v >> 8 * (big ? 3 - i : i) & 0xff);
+}
+
+static inline void put_f32(uint8_t *p, float v, int big)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    put_u32(p, bits, big);
+}
+
+/* A progress callback that stops at its user's count-th call. */
+static inline int32_t cancel_at(void *user, const char *stage, double fraction)
+{
+    int *const left = user;
+    (void)stage;
+    TEST_ASSERT_TRUE(fraction >= 0 && fraction <= 1);
+    return --*left < 0;
+}
+
+/* Cancel at every progress call of reading; returns how many there were. */
+static inline int check_every_cancel(const void *bytes, size_t size, int32_t format)
+{
+    bvx_context *const plain = ctx;
+    for (int stop = 0;; stop++) {
+        bvx_context_options o;
+        bvx_mesh m;
+        int left = stop;
+        bvx_context_options_init(&o, sizeof o);
+        o.threads = 1;
+        o.progress = cancel_at;
+        o.progress_user = &left;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+        bvx_status const status = read_file(bytes, size, format, &m);
+        bvx_mesh_free(ctx, &m);
+        TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
+        bvx_context_destroy(ctx);
+        ctx = plain;
+        if (status == BVX_OK) return stop;
+        TEST_ASSERT_EQUAL_INT32(BVX_CANCELLED, status);
+    }
+}
+
+/* Every memory limit below what reading takes is refused in words, nothing is left. */
+static inline void check_every_limit(const void *bytes, size_t size, int32_t format)
+{
+    bvx_context *const plain = ctx;
+    bvx_status status = BVX_ERR_BUDGET;
+    for (uint64_t limit = 1; status != BVX_OK; limit += limit / 8 + 1) {
+        bvx_context_options o;
+        bvx_mesh m;
+        bvx_context_options_init(&o, sizeof o);
+        o.threads = 1;
+        o.memory_limit = limit;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+        status = read_file(bytes, size, format, &m);
+        TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= limit);
+        bvx_mesh_free(ctx, &m);
+        bvx_context_destroy(ctx);
+        ctx = plain;
+        TEST_ASSERT_TRUE(status == BVX_OK || status == BVX_ERR_BUDGET);
+    }
+}
+
+#endif
