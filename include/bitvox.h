@@ -515,7 +515,7 @@ BVX_API int32_t bvx_format_of_name(const char *name);
  * Read a mesh from the bytes of a file.
  *
  * format  BVX_FORMAT_STL, _OBJ or _PLY. STL: ASCII and binary are told apart by content and size.
- * mesh    out; positions f32 where the file says float (STL, PLY float), f64 otherwise; STL vertices are welded
+ * mesh    out, zeroed (arrays of the caller's are not used); positions f32 where the file says float (STL, PLY float), f64 otherwise; STL vertices are welded
  *         where their bits are equal. Polygons become fans of triangles.
  *
  * Returns BVX_ERR_FORMAT (byte, line or element number, and why), BVX_ERR_RANGE (index or number out of range),
@@ -526,7 +526,8 @@ BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64
                                  bvx_mesh *mesh);
 
 /** Write a mesh: STL and PLY binary little-endian, OBJ as text that reads back to the same numbers. The frame is
- *  added. Returns BVX_ERR_ARGUMENT, BVX_ERR_UNSUPPORTED, BVX_ERR_MEMORY, BVX_ERR_BUDGET. */
+ *  added. file is zeroed. Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds),
+ *  BVX_ERR_UNSUPPORTED, BVX_ERR_MEMORY, BVX_ERR_BUDGET. */
 BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file);
 
 /** Write a grid: BVX_FORMAT_NPY, bool, axes [x,y,z] (Fortran order, so that x runs fastest in the file too). */

@@ -111,6 +111,20 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
 /* Fill *options of the caller's size from the defaults. */
 void bvxi_give_options(void *options, size_t size, const void *defaults, size_t default_size);
 
+/* What a freestanding build has no library for: the length of a text, and the first byte equal to wanted (or end). */
+static inline size_t bvxi_text_length(const char *text)
+{
+    size_t n = 0;
+    while (text[n] != 0) n++;
+    return n;
+}
+
+static inline const char *bvxi_find_byte(const char *p, const char *end, char wanted)
+{
+    while (p != end && *p != wanted) p++;
+    return p;
+}
+
 /* a * b and a + b; 0 in *ok when they do not fit 64 bits. */
 static inline uint64_t bvxi_mul(uint64_t a, uint64_t b, int *ok)
 {

@@ -39,9 +39,7 @@ static void message_put_format(message_line *l, const char *format, va_list args
         switch (*++p) {
         case 's': {
             const char *const s = va_arg(args, const char *);
-            size_t n = 0;
-            while (s[n] != 0) n++;
-            message_put(l, s, n);
+            message_put(l, s, bvxi_text_length(s));
             break;
         }
         case 'd': {

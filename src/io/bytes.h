@@ -92,7 +92,7 @@ static inline void bvxi_output_add(bvxi_output *o, const void *bytes, size_t n)
 
 static inline void bvxi_output_text(bvxi_output *o, const char *text)
 {
-    bvxi_output_add(o, text, strlen(text));
+    bvxi_output_add(o, text, bvxi_text_length(text));
 }
 
 static inline void bvxi_output_number(bvxi_output *o, uint64_t v)

@@ -4,7 +4,7 @@
 /* 1 when the n characters at text are ending, in either case of letters. */
 static int name_ends_with(const char *text, size_t n, const char *ending)
 {
-    size_t const k = strlen(ending);
+    size_t const k = bvxi_text_length(ending);
     if (n < k) return 0;
     for (size_t i = 0; i < k; i++) {
         char const c = text[n - k + i];
@@ -22,7 +22,7 @@ int32_t bvx_format_of_name(const char *name)
                  {".png", BVX_FORMAT_PNG}};
     size_t n;
     if (name == NULL) return BVX_FORMAT_UNKNOWN;
-    n = strlen(name);
+    n = bvxi_text_length(name);
     if (name_ends_with(name, n, ".gz")) n -= 3;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (name_ends_with(name, n, known[i].ending)) return known[i].format;

@@ -50,7 +50,7 @@ static BVXI_COLD bvx_status ply_fail_line(const bvxi_source *s, const char *at, 
 
 static int ply_is(const char *word, size_t n, const char *name)
 {
-    return n == strlen(name) && memcmp(word, name, n) == 0;
+    return n == bvxi_text_length(name) && memcmp(word, name, n) == 0;
 }
 
 static bvx_status ply_expect_end(const bvxi_source *s, ply_line *line)

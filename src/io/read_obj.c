@@ -63,8 +63,8 @@ static inline int obj_word_ends(const obj_file *f, const char *p)
 static const char *obj_next_line(const obj_file *f, const char *p)
 {
     const char *const end = f->source->end;
-    const char *const at = memchr(p, f->line_end, (size_t)(end - p));
-    return at == NULL ? end : at + 1;
+    const char *const at = bvxi_find_byte(p, end, f->line_end);
+    return at == end ? end : at + 1;
 }
 
 /* The statement at p: 'v' or 'f', or 0 for any other. */
@@ -217,9 +217,11 @@ static bvx_status obj_check_counts(const obj_file *f)
 bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
 {
     obj_file f = {0};
-    size_t const size = (size_t)(source->end - source->begin);
     f.source = source;
-    f.line_end = memchr(source->begin, '\n', size) == NULL && memchr(source->begin, '\r', size) != NULL ? '\r' : '\n';
+    f.line_end = bvxi_find_byte(source->begin, source->end, '\n') == source->end &&
+                         bvxi_find_byte(source->begin, source->end, '\r') != source->end
+                     ? '\r'
+                     : '\n';
     bvxi_source_pass(source, 0, 0.25);
     BVXI_TRY(obj_count(&f));
     BVXI_TRY(obj_check_counts(&f));

@@ -89,7 +89,7 @@ bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_s
     s->picture = picture;
     s->directions = directions[picture->options.samples];
     s->reach2 = side * SHADE_REACH * side * SHADE_REACH;
-    s->jump = side * SHADE_JUMP;
+    s->jump = side * SHADE_JUMP + 3.0 * picture->roughness;
     for (int a = 0; a < 3; a++) s->light[a] = shade_light[a] / length;
     shade_taps(s, picture->options.samples * picture->options.samples, side * SHADE_REACH);
     *shade = s;
