@@ -30,7 +30,6 @@ BVXI_VECTOR_INLINE void count_slot(const bvxi_march *m, uint64_t slot, int fast)
         for (uint32_t i = 0; i < active.count; i++)
             triangle_count += triangles[bvxi_cell_case(&cells[active.at[i] >> 6], active.at[i] & 63)];
     }
-    if (m->cell_high[0] < m->cell_low[0]) n[1] = n[2] = 0; /* no cells along x, so no edges of theirs */
     for (int32_t a = 0; a < 3; a++) s->edge[a] = n[a];
     s->triangle = triangle_count;
 }

@@ -167,7 +167,6 @@ BVXI_VECTOR_INLINE void emit_slot(const bvxi_march *m, uint64_t slot, const uint
     start_counters(m, slot, j, k, counter);
     bvxi_walk_start(&walk, m, j, k);
     for (int32_t a = 0; a < 4; a++) has[a] = bvxi_slot_has(m, a, j, k) ? ~UINT64_C(0) : 0;
-    if (m->cell_high[0] < m->cell_low[0]) has[1] = has[2] = 0;
     for (int32_t first = 0; first < m->edge_words; first += BVXI_CELL_BLOCK) {
         load_block(m, &walk, has, first, &b, fast);
         for (int32_t axis = 0; axis < 3; axis++) {

@@ -47,6 +47,5 @@ void bvxi_march_key_piece(void *march, int32_t piece, int32_t worker)
     uint64_t begin, end;
     (void)worker;
     bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
-    if (m->cell_high[0] < m->cell_low[0]) return; /* no cells, no edges */
     for (uint64_t s = begin; s < end; s++) key_slot(m, s);
 }

@@ -30,9 +30,9 @@ static bvx_status check_extract_options(bvx_context *ctx, const char *function, 
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys and local_frame are 0 or 1", function);
     if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", function);
     for (int32_t a = 0; o->keys && a < 3; a++)
-        if (grid->lattice.dims[a] > (1 << 20) - 2)
+        if (grid->lattice.dims[a] >= 1 << 20)
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",
-                             function, (int64_t)(1 << 20) - 2, (int64_t)grid->lattice.dims[a]);
+                             function, (int64_t)(1 << 20) - 1, (int64_t)grid->lattice.dims[a]);
     return BVX_OK;
 }
 
@@ -43,7 +43,7 @@ static bvx_status check_precision(bvx_context *ctx, const bvxi_march *m)
         double const low = m->origin[a] + m->grid->low[a] * m->spacing[a];
         double const high = m->origin[a] + ((double)m->grid->low[a] + m->grid->size[a]) * m->spacing[a];
         double const most = (low < 0 ? -low : low) > (high < 0 ? -high : high) ? (low < 0 ? -low : low) : (high < 0 ? -high : high);
-        double step = 1.0 / 9007199254740992.0 / 9007199254740992.0; /* power of two, grown to the f32 step at most */
+        double step = 1.0 / 9007199254740992.0 / 9007199254740992.0 / 8796093022208.0; /* 2^-149, the least step of f32 */
         if (!(most < 3.0e38))
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: coordinates up to %g do not fit f32; take f64 or a local frame",
                              m->function, most);
@@ -65,6 +65,7 @@ static void choose_cells(bvxi_march *m)
         m->cell_low[a] = (m->options.open_sides >> (2 * a) & 1) != 0 ? 0 : -1;
         m->cell_high[a] = m->grid->size[a] - ((m->options.open_sides >> (2 * a + 1) & 1) != 0 ? 2 : 1);
     }
+    m->no_cells = m->cell_high[0] < m->cell_low[0] || m->cell_high[1] < m->cell_low[1] || m->cell_high[2] < m->cell_low[2];
     m->edge_words = nx / 64 + 1;
     m->first_mask = ~UINT64_C(0) << (m->cell_low[0] + 1); /* cell -1 is bit 0 */
     last_bit = (m->cell_high[0] + 1) - (m->edge_words - 1) * 64;

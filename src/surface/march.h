@@ -28,6 +28,7 @@ typedef struct bvxi_march {
     const char *function;             /* named in messages */
     int32_t cpu;
     int32_t cell_low[3], cell_high[3]; /* visited cells by low corner, inclusive */
+    int32_t no_cells;                 /* 1: a side too short between open sides: no cells, so no edges of theirs */
     int32_t edge_words;               /* words of a row's x-edges: one bit more than voxels */
     uint64_t first_mask, last_mask;   /* visited cells of the first and last edge word */
     bvxi_slot *slots;                 /* [Size: slot_count + 1] */
@@ -82,6 +83,7 @@ static inline uint64_t bvxi_visited(const bvxi_march *m, int32_t n)
 static inline int bvxi_slot_has(const bvxi_march *m, int32_t what, int32_t j, int32_t k)
 {
     int const j_cell = j >= m->cell_low[1] && j <= m->cell_high[1], k_cell = k >= m->cell_low[2] && k <= m->cell_high[2];
+    if (m->no_cells) return 0;
     switch (what) {
     case 0: return j >= 0 && k >= 0;
     case 1: return k >= 0 && j_cell;

@@ -30,6 +30,10 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
         for (int32_t a = 0; a < 3; a++)
             if (!(m->frame[a] == first->frame[a]))
                 return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has another frame than part 0", merge_name, p);
+        for (uint64_t i = 0; i < 3 * m->triangle_count; i++)
+            if (m->triangles[i] >= m->vertex_count)
+                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %u of part %u has vertex %u; the part has %u", merge_name, i / 3, p,
+                                 (uint64_t)m->triangles[i], m->vertex_count);
         w->vertices += m->vertex_count;
         w->triangles += m->triangle_count;
     }
