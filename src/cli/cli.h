@@ -142,6 +142,7 @@ struct cli_run {
     cli_options options;
     cli_report report;
     bvx_context *context;
+    uint64_t context_limit; /* of its memory; 0: none */
     cli_output output[CLI_MAX_LEVELS];
     int outputs;
     double start;

@@ -109,8 +109,8 @@ static bvx_status fit(cli_run *run, const lod_chain *c, int32_t resolution, bvx_
 static uint64_t room_for_solid(const cli_run *run, const lod_chain *c)
 {
     uint64_t const beside = bvx_memory_used(run->context) + 16 * c->view.vertex_count + 4 * c->view.triangle_count;
-    if (run->options.memory_limit == 0) return GRID_BYTES_DEFAULT;
-    return run->options.memory_limit > beside ? run->options.memory_limit - beside : 0;
+    if (run->context_limit == 0) return GRID_BYTES_DEFAULT;
+    return run->context_limit > beside ? run->context_limit - beside : 0;
 }
 
 /* The resolution of the solid: given, or RATIO_WANTED times the finest level where memory allows, else what it allows,
@@ -286,8 +286,7 @@ static void say_distances(cli_run *run, const lod_chain *c)
     if (run->report.mesh[0].distance == NULL) return;
     cli_say(run, "\ndistances in the mesh's unit and in %% of its diagonal, from %" PRIu64 " random points on each mesh, seed %d\n",
             c->distance[0].samples, DISTANCE_SEED);
-    cli_say(run, "                 level to input                         input to level\n");
-    cli_say(run, "level              mean               max               mean               max\n");
+    cli_say(run, "%43s%38s\nlevel%19s%19s%19s%19s\n", "level to input", "input to level", "mean", "max", "mean", "max");
     for (int i = 0; i < c->count; i++) {
         const bvx_distance_report *const d = &c->distance[i];
         cli_say(run, "%5d", i);

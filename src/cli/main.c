@@ -74,6 +74,7 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     o.progress_user = run;
     if (run->options.memory_limit != 0)
         o.memory_limit = run->options.memory_limit > file_bytes ? run->options.memory_limit - file_bytes : 1;
+    run->context_limit = o.memory_limit;
     status = bvx_context_create(&o, &run->context);
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, NULL);
 }

@@ -146,7 +146,7 @@ bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view
     for (int32_t a = 0; a < 3; a++) job.scale[a] = (double)(1 << lattice->fraction_bits) / lattice->spacing[a];
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 12 + 4, "the snapped vertices", &out->xyz));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' rows", &out->cell);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, function, 0.0, 0.1, job.pieces, snap_piece, &job);
+    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", 0.0, 0.1, job.pieces, snap_piece, &job);
     for (int32_t i = 0; i < job.pieces; i++) any_bad |= job.bad[i];
     if (status == BVX_OK && any_bad) status = snap_judge(ctx, function, &job, lattice);
     if (status != BVX_OK) bvxi_snap_free(ctx, out);
@@ -175,12 +175,13 @@ static void cell_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block, bvxi_snapped *s)
+bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block, double progress,
+                           bvxi_snapped *s)
 {
     snap_job job = {0};
     job.out = s;
     job.block = *block;
     job.fraction_bits = lattice->fraction_bits;
     job.pieces = bvxi_piece_count(s->vertex_count, SNAP_GRAIN);
-    return bvxi_parallel(ctx, "solid", 0.1, 0.15, job.pieces, cell_piece, &job);
+    return bvxi_parallel(ctx, "solid", progress, progress, job.pieces, cell_piece, &job);
 }

@@ -24,7 +24,8 @@ typedef struct bvxi_snapped {
 bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_lattice *lattice,
                      bvxi_snapped *out);
 /* (Re)compute the cells for a block. */
-bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block, bvxi_snapped *s);
+bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block, double progress,
+                           bvxi_snapped *s);
 void bvxi_snap_free(bvx_context *ctx, bvxi_snapped *s);
 
 #endif

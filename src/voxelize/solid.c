@@ -95,7 +95,7 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
         job->chunk[c].used = 0;
     }
     while (left > 0) {
-        double const at = from + (to - from) * (1.0 - (double)left / (double)all);
+        double const at = bvxi_solid_progress(job, from + (to - from) * (1.0 - (double)left / (double)all));
         BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->chunks, bvxi_find_crossings, job));
         left = 0;
         for (int32_t c = 0; c < job->chunks; c++) {
@@ -156,9 +156,9 @@ static void close_tile(void *user, int32_t tile, int32_t worker)
 static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 {
     uint64_t unbalanced = 0;
-    BVXI_TRY(bvxi_parallel(ctx, "solid", 0.1, 0.15, job->tiles, clear_tile, job));
+    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.1), bvxi_solid_progress(job, 0.15), job->tiles, clear_tile, job));
     BVXI_TRY(bvxi_solid_rounds(ctx, job, BVXI_TOGGLE, 0.15, 0.4));
-    BVXI_TRY(bvxi_parallel(ctx, "solid", 0.4, 0.5, job->tiles, close_tile, job));
+    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.4), bvxi_solid_progress(job, 0.5), job->tiles, close_tile, job));
     for (int32_t t = 0; t < job->tiles; t++) unbalanced += job->unbalanced[t];
     if (unbalanced == 0) return BVX_OK;
     job->listed = job->beyond;
@@ -176,7 +176,7 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
     memset(job->unbalanced, 0, sizeof job->unbalanced);
     memset(job->dropped, 0, sizeof job->dropped);
     choose_tiles(job);
-    BVXI_TRY(bvxi_snap_cells(ctx, &job->grid->lattice, &job->block, &job->snapped));
+    BVXI_TRY(bvxi_snap_cells(ctx, &job->grid->lattice, &job->block, bvxi_solid_progress(job, 0), &job->snapped));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, rows, "the rows' balance", &job->beyond));
     status = job->fill == BVX_FILL_PARITY ? fill_parity_rows(ctx, job) : bvxi_solid_lists(ctx, job);
     bvxi_free(ctx, job->beyond, rows);
@@ -193,8 +193,11 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
 static bvx_status fill_blocks(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
 {
     const bvx_grid *const g = job->grid;
+    int32_t const blocks = ((g->size[1] - 1) / BVXI_MAX_CELL_SIDE + 1) * ((g->size[2] - 1) / BVXI_MAX_CELL_SIDE + 1);
+    job->progress_share = 0.9 / blocks; /* snapping had the first tenth */
+    job->progress_from = 0.1;
     for (int32_t z = 0; z < g->size[2]; z += BVXI_MAX_CELL_SIDE) {
-        for (int32_t y = 0; y < g->size[1]; y += BVXI_MAX_CELL_SIDE) {
+        for (int32_t y = 0; y < g->size[1]; y += BVXI_MAX_CELL_SIDE, job->progress_from += job->progress_share) {
             job->block.y0 = g->low[1] + y;
             job->block.z0 = g->low[2] + z;
             job->block.ny = g->size[1] - y < BVXI_MAX_CELL_SIDE ? g->size[1] - y : BVXI_MAX_CELL_SIDE;

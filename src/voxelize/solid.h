@@ -34,6 +34,7 @@ typedef struct bvxi_solid_job {
     bvxi_snapped snapped;
     bvxi_row_block block;    /* [Units: lattice rows] */
     int32_t fraction_bits, fill, cpu, mode;
+    double progress_from, progress_share; /* of this block in the stage's progress */
     bvxi_chunk *chunk;
     int32_t chunks;
     struct bvxi_cross_batch *batch; /* one a worker */
@@ -90,6 +91,12 @@ static inline uint64_t *bvxi_block_words(const bvxi_solid_job *job, int32_t j, i
 static inline uint64_t bvxi_block_row(const bvxi_solid_job *job, int32_t j, int32_t k)
 {
     return (uint64_t)k * (uint64_t)job->block.ny + (uint64_t)j;
+}
+
+/* Progress of the stage at a fraction of the block's work. */
+static inline double bvxi_solid_progress(const bvxi_solid_job *job, double fraction)
+{
+    return job->progress_from + job->progress_share * fraction;
 }
 
 /* The rows of a tile, within the block. */

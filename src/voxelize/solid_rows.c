@@ -145,7 +145,7 @@ bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, total * 4, "the crossings", &job->crossing);
     }
     if (status == BVX_OK) status = bvxi_solid_rounds(ctx, job, BVXI_FILL_LIST, 0.7, 0.9);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", 0.9, 1.0, job->tiles, solve_rows, job);
+    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.9), bvxi_solid_progress(job, 1.0), job->tiles, solve_rows, job);
     bvxi_free(ctx, job->crossing, total * 4);
     bvxi_free(ctx, job->row_end, rows * 8);
     return status;

@@ -1,0 +1,613 @@
+/* test_stages.c - every stage with every allocation failing once, cancelled at every progress call, under every memory
+ * limit, and in an arena with no other memory. After each failure results are empty, nothing is held, and the same
+ * context does the work. */
+#include "fault/context.h"
+#include "tools/mesh_maker.h"
+
+/* ---- The heap of the C library, watched: these two stand in for src/core/heap.c, so that no call is missed ---- */
+
+static uint64_t heap_calls;
+
+void *bvxi_heap_alloc(void *user, size_t size, size_t align);
+void bvxi_heap_free(void *user, void *block, size_t size, size_t align);
+
+void *bvxi_heap_alloc(void *user, size_t size, size_t align)
+{
+    static fault_heap unused;
+    (void)user;
+    heap_calls++;
+    return fault_alloc(&unused, size, align);
+}
+
+void bvxi_heap_free(void *user, void *block, size_t size, size_t align)
+{
+    (void)user, (void)block, (void)size, (void)align; /* what setup took stays until the program ends */
+}
+
+/* ---- Inputs, made once ---- */
+
+enum { PARTS = 3 };
+
+static maker_mesh star, holes; /* closed; with triangles missing and turned */
+static bvx_mesh_view star_view, holes_view;
+static bvx_lattice lattice, coarse;
+static bvx_grid solid, small;
+static bvx_mesh surface, part[PARTS];
+static bvx_buffer file[4]; /* by format */
+static bvx_context *maker; /* what made them */
+
+static int make_inputs(void **state)
+{
+    static const double centre[3] = {17, 16, 15}, radius[3] = {14, 13, 12};
+    uint64_t seed = 4711;
+    bvx_context_options o = default_options();
+    bvx_extract_options e;
+    (void)state;
+    o.threads = 1;
+    maker = context_with(&o);
+    maker_star(&star, &seed, centre, radius, 0.3, 9, 15, 65536);
+    maker_star(&holes, &seed, centre, radius, 0.3, 9, 15, 65536);
+    for (int i = 0; i < 9; i++) maker_remove(&holes, (size_t)maker_below(&seed, (int32_t)holes.triangles));
+    maker_flip(&holes, 20, 40);
+    star_view = maker_view(&star);
+    holes_view = maker_view(&holes);
+    assert_int_equal(bvx_lattice_fit(maker, &star_view, 70, &lattice), BVX_OK);
+    assert_int_equal(bvx_voxelize_solid(maker, &star_view, &lattice, NULL, &solid), BVX_OK);
+    assert_int_equal(bvx_extract_surface(maker, &solid, NULL, &surface), BVX_OK);
+    assert_int_equal(bvx_lattice_fit(maker, &star_view, 16, &coarse), BVX_OK);
+    assert_int_equal(bvx_voxelize_solid(maker, &star_view, &coarse, NULL, &small), BVX_OK);
+    for (int32_t format = BVX_FORMAT_STL; format <= BVX_FORMAT_PLY; format++)
+        assert_int_equal(bvx_write_mesh(maker, &surface, format, &file[format]), BVX_OK);
+    bvx_extract_options_init(&e, sizeof e);
+    e.keys = 1;
+    for (int32_t i = 0; i < PARTS; i++) { /* thirds along z that share a layer */
+        bvx_window w = {{0, 0, 0}, {0, 0, 0}};
+        bvx_voxelize_options v;
+        bvx_grid g = {0};
+        memcpy(w.size, lattice.dims, sizeof w.size);
+        w.low[2] = (lattice.dims[2] - 1) * i / PARTS;
+        w.size[2] = (lattice.dims[2] - 1) * (i + 1) / PARTS - w.low[2] + 1;
+        bvx_voxelize_options_init(&v, sizeof v);
+        v.window = w;
+        e.open_sides = (i > 0 ? BVX_OPEN_Z_LOW : 0) | (i < PARTS - 1 ? BVX_OPEN_Z_HIGH : 0);
+        assert_int_equal(bvx_voxelize_solid(maker, &star_view, &lattice, &v, &g), BVX_OK);
+        assert_int_equal(bvx_extract_surface(maker, &g, &e, &part[i]), BVX_OK);
+        bvx_grid_free(maker, &g);
+    }
+    return 0;
+}
+
+static int free_inputs(void **state)
+{
+    (void)state;
+    maker_free(&star);
+    maker_free(&holes);
+    return 0;
+}
+
+/* ---- Stages: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+
+static uint64_t mark;  /* a hash of what the last good run made */
+static int left_behind; /* a failed call left something in a result */
+
+static void note_left(const void *result, const void *before, size_t size)
+{
+    left_behind |= memcmp(result, before, size) != 0;
+}
+
+static bvx_status end_with_grid(bvx_context *ctx, bvx_status status, bvx_grid *grid)
+{
+    static const bvx_grid empty = {0};
+    if (status == BVX_OK) {
+        assert_int_equal(bvx_grid_hash(ctx, grid, &mark), BVX_OK);
+        bvx_grid_free(ctx, grid);
+    } else note_left(grid, &empty, sizeof empty);
+    return status;
+}
+
+static bvx_status end_with_mesh(bvx_context *ctx, bvx_status status, bvx_mesh *mesh)
+{
+    static const bvx_mesh empty = {0};
+    if (status == BVX_OK) {
+        assert_int_equal(bvx_mesh_hash(ctx, mesh, &mark), BVX_OK);
+        bvx_mesh_free(ctx, mesh);
+    } else note_left(mesh, &empty, sizeof empty);
+    return status;
+}
+
+static bvx_status end_with_buffer(bvx_context *ctx, bvx_status status, bvx_buffer *buffer)
+{
+    static const bvx_buffer empty = {0};
+    if (status == BVX_OK) {
+        mark = bvx_hash(buffer->bytes, (size_t)buffer->size, 0);
+        bvx_buffer_free(ctx, buffer);
+    } else note_left(buffer, &empty, sizeof empty);
+    return status;
+}
+
+static bvx_status end_with_plain(bvx_status status, const void *report, size_t size)
+{
+    static const unsigned char empty[512] = {0};
+    assert_true(size <= sizeof empty);
+    if (status == BVX_OK) mark = bvx_hash(report, size, 0);
+    else note_left(report, empty, size);
+    return status;
+}
+
+static bvx_status voxelize(bvx_context *ctx, const bvx_mesh_view *view, int32_t fill)
+{
+    static const bvx_solid_report empty = {0};
+    bvx_solid_report report = {0};
+    bvx_voxelize_options o;
+    bvx_grid grid = {0};
+    bvx_status status;
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = fill;
+    o.report = &report;
+    status = bvx_voxelize_solid(ctx, view, &lattice, &o, &grid);
+    if (status != BVX_OK) note_left(&report, &empty, sizeof empty);
+    else assert_true((report.unbalanced_rows != 0) == (view == &holes_view));
+    return end_with_grid(ctx, status, &grid);
+}
+
+static bvx_status voxelize_parity(void *user, bvx_context *ctx) { (void)user; return voxelize(ctx, &star_view, BVX_FILL_PARITY); }
+static bvx_status voxelize_nonzero(void *user, bvx_context *ctx) { (void)user; return voxelize(ctx, &star_view, BVX_FILL_NONZERO); }
+static bvx_status voxelize_holes(void *user, bvx_context *ctx) { (void)user; return voxelize(ctx, &holes_view, BVX_FILL_PARITY); }
+static bvx_status voxelize_holes_nonzero(void *user, bvx_context *ctx) { (void)user; return voxelize(ctx, &holes_view, BVX_FILL_NONZERO); }
+
+static bvx_status extract(void *user, bvx_context *ctx)
+{
+    bvx_mesh mesh = {0};
+    (void)user;
+    return end_with_mesh(ctx, bvx_extract_surface(ctx, &solid, NULL, &mesh), &mesh);
+}
+
+static bvx_status extract_keys(void *user, bvx_context *ctx)
+{
+    bvx_extract_options o;
+    bvx_mesh mesh = {0};
+    (void)user;
+    bvx_extract_options_init(&o, sizeof o);
+    o.keys = 1;
+    o.position_type = BVX_F64;
+    o.local_frame = 1;
+    return end_with_mesh(ctx, bvx_extract_surface(ctx, &solid, &o, &mesh), &mesh);
+}
+
+static bvx_status extract_count(void *user, bvx_context *ctx)
+{
+    uint64_t count[2] = {0, 0};
+    (void)user;
+    return end_with_plain(bvx_extract_count(ctx, &solid, NULL, &count[0], &count[1]), count, sizeof count);
+}
+
+static bvx_status merge(void *user, bvx_context *ctx)
+{
+    bvx_mesh mesh = {0};
+    (void)user;
+    return end_with_mesh(ctx, bvx_mesh_merge(ctx, part, PARTS, &mesh), &mesh);
+}
+
+static bvx_status check(void *user, bvx_context *ctx)
+{
+    bvx_certificate certificate;
+    (void)user;
+    memset(&certificate, 0, sizeof certificate);
+    return end_with_plain(bvx_mesh_check(ctx, &holes_view, 1, &certificate), &certificate, sizeof certificate);
+}
+
+static bvx_status distance(void *user, bvx_context *ctx)
+{
+    bvx_distance_report report;
+    bvx_mesh_view view;
+    (void)user;
+    memset(&report, 0, sizeof report);
+    bvx_mesh_view_of(&surface, &view);
+    return end_with_plain(bvx_mesh_distance(ctx, &star_view, &view, 500, 7, &report), &report, sizeof report);
+}
+
+static bvx_status read_file(bvx_context *ctx, int32_t format)
+{
+    bvx_mesh mesh = {0};
+    return end_with_mesh(ctx, bvx_read_mesh(ctx, file[format].bytes, file[format].size, format, &mesh), &mesh);
+}
+
+static bvx_status read_stl(void *user, bvx_context *ctx) { (void)user; return read_file(ctx, BVX_FORMAT_STL); }
+static bvx_status read_obj(void *user, bvx_context *ctx) { (void)user; return read_file(ctx, BVX_FORMAT_OBJ); }
+static bvx_status read_ply(void *user, bvx_context *ctx) { (void)user; return read_file(ctx, BVX_FORMAT_PLY); }
+
+static bvx_status write_file(bvx_context *ctx, int32_t format)
+{
+    bvx_buffer buffer = {0};
+    return end_with_buffer(ctx, bvx_write_mesh(ctx, &surface, format, &buffer), &buffer);
+}
+
+static bvx_status write_stl(void *user, bvx_context *ctx) { (void)user; return write_file(ctx, BVX_FORMAT_STL); }
+static bvx_status write_obj(void *user, bvx_context *ctx) { (void)user; return write_file(ctx, BVX_FORMAT_OBJ); }
+static bvx_status write_ply(void *user, bvx_context *ctx) { (void)user; return write_file(ctx, BVX_FORMAT_PLY); }
+
+static bvx_status write_npy(void *user, bvx_context *ctx)
+{
+    bvx_buffer buffer = {0};
+    (void)user;
+    return end_with_buffer(ctx, bvx_write_grid(ctx, &solid, BVX_FORMAT_NPY, &buffer), &buffer);
+}
+
+static bvx_status lods(bvx_context *ctx, const bvx_grid *grid, const bvx_lod_options *o)
+{
+    static const bvx_mesh empty[3] = {{0}};
+    bvx_mesh level[3];
+    bvx_status status;
+    memset(level, 0, sizeof level);
+    status = bvx_build_lods(ctx, grid, o, 3, level);
+    if (status != BVX_OK) {
+        note_left(level, empty, sizeof level);
+        return status;
+    }
+    mark = 0;
+    for (int i = 0; i < 3; i++) {
+        uint64_t hash;
+        assert_int_equal(bvx_mesh_hash(ctx, &level[i], &hash), BVX_OK);
+        mark = mark * 31 + hash;
+    }
+    for (int i = 3; i-- > 0;) bvx_mesh_free(ctx, &level[i]);
+    return status;
+}
+
+static bvx_status lods_by_resolution(void *user, bvx_context *ctx)
+{
+    static const int32_t resolutions[3] = {30, 17, 8};
+    bvx_lod_options o;
+    (void)user;
+    bvx_lod_options_init(&o, sizeof o);
+    o.method = BVX_LOD_EDGE_RATIO;
+    o.resolutions = resolutions;
+    return lods(ctx, &solid, &o);
+}
+
+static bvx_status lods_by_coverage(void *user, bvx_context *ctx)
+{
+    static const int32_t resolutions[9] = {30, 20, 25, 14, 14, 15, 8, 9, 7};
+    bvx_lod_options o;
+    (void)user;
+    bvx_lod_options_init(&o, sizeof o);
+    o.method = BVX_LOD_COVERAGE;
+    o.axis_resolutions = resolutions;
+    return lods(ctx, &solid, &o);
+}
+
+static bvx_status lods_by_target(void *user, bvx_context *ctx)
+{
+    static const uint64_t targets[3] = {500, 200, 60};
+    bvx_lod_options o;
+    (void)user;
+    bvx_lod_options_init(&o, sizeof o);
+    o.target_triangles = targets;
+    o.collapse = 3;
+    return lods(ctx, &small, &o);
+}
+
+static bvx_status render(void *user, bvx_context *ctx)
+{
+    bvx_render_options o;
+    bvx_image image = {0}, empty;
+    bvx_status status;
+    (void)user;
+    memset(&empty, 0, sizeof empty);
+    bvx_render_options_init(&o, sizeof o);
+    o.width = 40;
+    o.height = 30;
+    o.samples = 1;
+    o.smooth = 1;
+    status = bvx_render_mesh(ctx, &star_view, &o, &image);
+    if (status == BVX_OK) {
+        mark = bvx_hash(image.pixels, (size_t)image.width * (size_t)image.height * 3, 0);
+        bvx_image_free(ctx, &image);
+    } else note_left(&image, &empty, sizeof empty);
+    return status;
+}
+
+typedef struct stage {
+    const char *name;
+    fault_operation_fn *run;
+    int cancels;   /* it asks for progress */
+    int allocates; /* it takes memory */
+} stage;
+
+static const stage stages[] = {
+    {"voxelize, parity", voxelize_parity, 1, 1},
+    {"voxelize, nonzero", voxelize_nonzero, 1, 1},
+    {"voxelize, parity with holes", voxelize_holes, 1, 1},
+    {"voxelize, nonzero with holes", voxelize_holes_nonzero, 1, 1},
+    {"extract", extract, 1, 1},
+    {"extract with keys", extract_keys, 1, 1},
+    {"count", extract_count, 1, 1},
+    {"merge", merge, 1, 1},
+    {"check", check, 0, 1},
+    {"distance", distance, 1, 1},
+    {"read STL", read_stl, 1, 1},
+    {"read OBJ", read_obj, 1, 1},
+    {"read PLY", read_ply, 1, 1},
+    {"write STL", write_stl, 0, 1},
+    {"write OBJ", write_obj, 0, 1},
+    {"write PLY", write_ply, 0, 1},
+    {"write NPY", write_npy, 0, 1},
+    {"LOD by resolution", lods_by_resolution, 1, 1},
+    {"LOD by coverage", lods_by_coverage, 1, 1},
+    {"LOD by target", lods_by_target, 1, 1},
+    {"render", render, 1, 1},
+};
+enum { STAGES = sizeof stages / sizeof stages[0] };
+
+/* A stage of the table, checked further: a failed run leaves nothing, a good one always makes the same. */
+typedef struct trial {
+    const stage *of;
+    uint64_t want;
+} trial;
+
+static bvx_status run_trial(void *user, bvx_context *ctx)
+{
+    const trial *const t = user;
+    bvx_status const status = t->of->run(NULL, ctx);
+    if (status == BVX_OK && mark != t->want) left_behind = 2;
+    return status;
+}
+
+static trial trial_of(const stage *s)
+{
+    trial t = {NULL, 0};
+    t.of = s;
+    left_behind = 0;
+    assert_int_equal(s->run(NULL, maker), BVX_OK);
+    t.want = mark;
+    return t;
+}
+
+static void assert_well(const stage *s, const char *wrong)
+{
+    if (wrong != NULL) fail_msg("%s: %s", s->name, wrong);
+    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", s->name);
+    if (left_behind == 2) fail_msg("%s: another result than usual", s->name);
+}
+
+/* ---- Tests ---- */
+
+static void test_every_allocation_fails_once(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < STAGES; i++) {
+            trial t = trial_of(&stages[i]);
+            uint64_t allocations = 0;
+            assert_well(&stages[i], fault_every_allocation(run_trial, &t, &o, &allocations));
+            if (stages[i].allocates) assert_true(allocations > 0);
+        }
+    }
+}
+
+static void test_cancel_at_every_progress_call(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < STAGES; i++) {
+            trial t = trial_of(&stages[i]);
+            uint64_t calls = 0;
+            assert_well(&stages[i], fault_every_cancel(run_trial, &t, &o, &calls));
+            if (stages[i].cancels && calls == 0) fail_msg("%s: never asks for progress", stages[i].name);
+        }
+    }
+}
+
+/* More rows than the solid takes at once (65535 along an axis) are still one stage, whose fraction only grows. */
+static void test_progress_grows_over_several_blocks(void **state)
+{
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 0.0005, 1};
+    static const int32_t dims[3] = {40, 70000, 1};
+    (void)state;
+    for (int32_t fill = 0; fill < 2; fill++) {
+        fault_progress progress = {0};
+        bvx_context_options o = default_options();
+        bvx_voxelize_options v;
+        bvx_lattice l;
+        bvx_grid grid = {0};
+        bvx_context *ctx;
+        o.progress = fault_on_progress;
+        o.progress_user = &progress;
+        o.threads = 1;
+        ctx = context_with(&o);
+        assert_int_equal(bvx_lattice_make(ctx, origin, spacing, dims, &l), BVX_OK);
+        bvx_voxelize_options_init(&v, sizeof v);
+        v.fill = fill;
+        assert_int_equal(bvx_voxelize_solid(ctx, &holes_view, &l, &v, &grid), BVX_OK);
+        assert_true(progress.calls > 10);
+        if (progress.wrong != NULL) fail_msg("%s", progress.wrong);
+        bvx_grid_free(ctx, &grid);
+        bvx_context_destroy(ctx);
+    }
+}
+
+/* Limits from 1 byte to what the stage needs. */
+static void test_every_memory_limit(void **state)
+{
+    enum { STEPS = 60 };
+    (void)state;
+    for (int i = 0; i < STAGES; i++) {
+        trial t = trial_of(&stages[i]);
+        uint64_t need;
+        bvx_memory_reset_peak(maker);
+        need = bvx_memory_used(maker);
+        assert_int_equal(run_trial(&t, maker), BVX_OK);
+        assert_int_equal(bvx_memory_used(maker), need);
+        need = bvx_memory_peak(maker) - need;
+        for (uint64_t n = 0; n <= STEPS; n++) {
+            uint64_t const limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
+            fault_heap heap = {0};
+            bvx_context_options const base = default_options();
+            bvx_context_options o = fault_options(&base, &heap);
+            bvx_context *ctx;
+            bvx_status status;
+            o.memory_limit = limit;
+            o.threads = 1;
+            ctx = context_with(&o);
+            status = run_trial(&t, ctx);
+            if (status != (n == STEPS ? BVX_OK : BVX_ERR_BUDGET))
+                fail_msg("%s: status %d under a limit of %lu, its peak is %lu", stages[i].name, (int)status, (unsigned long)limit,
+                         (unsigned long)need);
+            if (status != BVX_OK) assert_non_null(strstr(bvx_last_message(ctx), "limit"));
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            assert_true(bvx_memory_peak(ctx) <= limit);
+            bvx_context_destroy(ctx);
+            assert_well(&stages[i], fault_end(&heap));
+        }
+    }
+}
+
+/* In an arena of every size the stage works, twice, or says that there is no memory; the heap is never asked. */
+static void test_stages_live_in_an_arena(void **state)
+{
+    enum { STEPS = 40 };
+    size_t const most = (size_t)8 << 20;
+    unsigned char *const memory = malloc(most + 16);
+    (void)state;
+    assert_non_null(memory);
+    for (int i = 0; i < STAGES; i++) {
+        trial t = trial_of(&stages[i]);
+        int good = 0;
+        uint64_t const calls = heap_calls;
+        for (size_t n = 1; n <= STEPS; n++) {
+            bvx_context_options o = default_options();
+            size_t const size = n == STEPS ? most : most / 8 * n * n / STEPS / STEPS, skew = n % 16;
+            bvx_context *ctx;
+            bvx_status first, second;
+            o.arena = memory + skew;
+            o.arena_size = size;
+            o.threads = 1;
+            memset(memory, 0xA5, skew);
+            memset(memory + skew + size, 0xA5, 16 - skew);
+            if (bvx_context_create(&o, &ctx) != BVX_OK) {
+                assert_true(size < 2048);
+                continue;
+            }
+            first = run_trial(&t, ctx);
+            second = run_trial(&t, ctx);
+            assert_int_equal(first, second);
+            assert_true(first == BVX_OK || first == BVX_ERR_MEMORY);
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            bvx_context_destroy(ctx);
+            for (size_t k = 0; k < 16; k++)
+                if (memory[k < skew ? k : size + k] != 0xA5) fail_msg("%s: written outside the arena", stages[i].name);
+            good += first == BVX_OK;
+            if (n == STEPS) assert_int_equal(first, BVX_OK);
+        }
+        assert_true(good > 0);
+        if (heap_calls != calls) fail_msg("%s: asked the heap though it had an arena", stages[i].name);
+        assert_well(&stages[i], NULL);
+    }
+    free(memory);
+}
+
+/* The main job from file to levels in one arena, results kept side by side. */
+static void test_the_main_job_in_one_arena(void **state)
+{
+    static const int32_t resolutions[2] = {20, 9};
+    size_t const most = (size_t)8 << 20;
+    unsigned char *const memory = malloc(most);
+    uint64_t const calls = heap_calls;
+    bvx_context_options o = default_options();
+    bvx_context *ctx;
+    bvx_mesh mesh = {0}, whole = {0}, level[2];
+    bvx_mesh_view view;
+    bvx_lattice fitted;
+    bvx_grid grid = {0};
+    bvx_lod_options l;
+    bvx_buffer out = {0};
+    bvx_certificate c;
+    (void)state;
+    assert_non_null(memory);
+    memset(level, 0, sizeof level);
+    o.arena = memory;
+    o.arena_size = most;
+    o.threads = 2;
+    ctx = context_with(&o);
+    bvx_lod_options_init(&l, sizeof l);
+    l.resolutions = resolutions;
+    assert_int_equal(bvx_read_mesh(ctx, file[BVX_FORMAT_PLY].bytes, file[BVX_FORMAT_PLY].size, BVX_FORMAT_PLY, &mesh), BVX_OK);
+    bvx_mesh_view_of(&mesh, &view);
+    assert_int_equal(bvx_lattice_fit(ctx, &view, 80, &fitted), BVX_OK);
+    assert_int_equal(bvx_voxelize_solid(ctx, &view, &fitted, NULL, &grid), BVX_OK);
+    assert_int_equal(bvx_extract_surface(ctx, &grid, NULL, &whole), BVX_OK);
+    assert_int_equal(bvx_build_lods(ctx, &grid, &l, 2, level), BVX_OK);
+    for (int i = 0; i < 2; i++) {
+        bvx_mesh_view_of(&level[i], &view);
+        assert_int_equal(bvx_mesh_check(ctx, &view, 0, &c), BVX_OK);
+        assert_true(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented && c.volume > 0);
+    }
+    assert_int_equal(bvx_write_mesh(ctx, &level[1], BVX_FORMAT_STL, &out), BVX_OK);
+    bvx_mesh_free(ctx, &mesh); /* in an order of their own */
+    bvx_grid_free(ctx, &grid);
+    bvx_buffer_free(ctx, &out);
+    bvx_mesh_free(ctx, &level[0]);
+    bvx_mesh_free(ctx, &whole);
+    bvx_mesh_free(ctx, &level[1]);
+    assert_int_equal(bvx_memory_used(ctx), 0);
+    bvx_context_destroy(ctx);
+    assert_int_equal(heap_calls, calls);
+    free(memory);
+}
+
+/* A failure after the caller's own arrays were taken leaves them his. */
+static void test_callers_arrays_survive_failures(void **state)
+{
+    uint64_t const words = bvx_grid_bound(&lattice, NULL);
+    uint64_t *const array = malloc((size_t)words * 8);
+    (void)state;
+    assert_non_null(array);
+    for (uint64_t n = 1;; n++) {
+        fault_heap heap = {0};
+        bvx_context_options const base = default_options(), o = fault_options(&base, &heap);
+        bvx_context *const ctx = context_with(&o);
+        bvx_grid grid = {0}, before;
+        bvx_status status;
+        uint64_t hash, want;
+        grid.words = array;
+        grid.word_capacity = words;
+        before = grid;
+        heap.asked = 0;
+        heap.fail_at = n;
+        status = bvx_voxelize_solid(ctx, &holes_view, &lattice, NULL, &grid);
+        if (status == BVX_OK) {
+            trial const t = trial_of(&stages[2]);
+            want = t.want;
+            heap.fail_at = 0;
+            assert_int_equal(bvx_grid_hash(ctx, &grid, &hash), BVX_OK);
+            assert_int_equal(hash, want);
+            bvx_grid_free(ctx, &grid);
+        } else {
+            assert_int_equal(status, BVX_ERR_MEMORY);
+            assert_memory_equal(&grid, &before, sizeof grid);
+        }
+        assert_int_equal(bvx_memory_used(ctx), 0);
+        bvx_context_destroy(ctx);
+        assert_null(fault_end(&heap));
+        if (status == BVX_OK) break;
+    }
+    free(array);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_allocation_fails_once),
+        cmocka_unit_test(test_cancel_at_every_progress_call),
+        cmocka_unit_test(test_progress_grows_over_several_blocks),
+        cmocka_unit_test(test_every_memory_limit),
+        cmocka_unit_test(test_stages_live_in_an_arena),
+        cmocka_unit_test(test_the_main_job_in_one_arena),
+        cmocka_unit_test(test_callers_arrays_survive_failures),
+    };
+    return cmocka_run_group_tests(tests, make_inputs, free_inputs);
+}
