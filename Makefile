@@ -10,7 +10,7 @@ UNITY_DIR ?= $(BUILD)/unity
 OPENMP ?= 1
 ZLIB ?= 1
 WERROR ?= 0
-DEMO ?= $(firstword $(wildcard fixtures/demo.stl fixtures/demo.ply fixtures/demo.obj))
+DEMO ?= fixtures/knot.ply
 
 .SUFFIXES:
 .SECONDARY:
@@ -172,7 +172,7 @@ environment = MAKE_COMMAND='$(MAKE_COMMAND)' $(foreach v,BUILD UNITY_DIR CC CPPF
 demo: all ## a chain of meshes from a bundled fixture, with a table and a picture
 	@mkdir -p $(BUILD)/demo
 	$(BUILD)/bitvox lod $(DEMO) -o $(BUILD)/demo/level_%d.ply
-	$(BUILD)/bitvox render $(BUILD)/demo/level_*.ply -o $(BUILD)/demo/levels.png
+	$(BUILD)/bitvox render $(DEMO) $(BUILD)/demo/level_*.ply -o $(BUILD)/demo/levels.png
 	@echo "meshes: $(BUILD)/demo/level_*.ply, picture: $(BUILD)/demo/levels.png"
 
 deps: ## install what the tests need (apt, as root)

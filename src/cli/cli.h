@@ -56,6 +56,7 @@ typedef struct cli_options {
     int32_t method;             /* BVX_LOD_... */
     double threshold;
     int32_t edge_samples;
+    double collapse;
     int64_t samples;            /* -1: not given */
     int32_t smooth;
 } cli_options;

@@ -19,7 +19,7 @@ static void say_certificate(cli_run *run, const bvx_certificate *c)
         cli_say(run, "  harmless    %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64 " duplicate triangles\n",
                 c->collapsed, c->degenerate, c->duplicates);
     for (int a = 0; a < 3; a++)
-        cli_say(run, "  %s%c           %.9g .. %.9g (%.9g)\n", a == 0 ? "" : "", axis[a], c->low[a], c->high[a], c->high[a] - c->low[a]);
+        cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a], c->high[a] - c->low[a]);
     cli_say(run, "  closed      %s", yes_or_no(c->closed));
     if (c->boundary_edges != 0) cli_say(run, ", %" PRIu64 " boundary edges", c->boundary_edges);
     cli_say(run, "\n  manifold    %s", yes_or_no(c->edge_manifold && c->vertex_manifold));

@@ -55,8 +55,9 @@ static int check_lod_options(cli_run *run, lod_chain *c)
         (n > 3 && strcmp(o->output + n - 3, ".gz") == 0))
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .stl .obj)", o->output);
     if (o->levels.count != 0 && o->triangles.count != 0) return cli_usage(run, "--levels and --triangles exclude each other");
-    if (o->edge_samples != 0 && o->method != BVX_LOD_EDGE_RATIO)
+    if (o->edge_samples != 0 && o->method == BVX_LOD_COVERAGE)
         return cli_usage(run, "--edge-samples needs --method edge-ratio");
+    if (o->collapse != 0.0 && o->triangles.count == 0) return cli_usage(run, "--collapse needs --triangles");
     c->by_triangles = o->triangles.count != 0;
     c->count = c->by_triangles ? o->triangles.count : o->levels.count != 0 ? o->levels.count : 3;
     if (place == NULL && c->count > 1)
@@ -89,7 +90,8 @@ static double finest_level(const cli_run *run, const lod_chain *c)
     for (int a = 0; a < 3; a++)
         longest = c->certificate.high[a] - c->certificate.low[a] > longest ? c->certificate.high[a] - c->certificate.low[a] : longest;
     for (int i = 0; i < c->count; i++) {
-        double const squares = (double)run->options.triangles.value[i] / 3.0;
+        double const more = run->options.collapse != 0.0 ? run->options.collapse : 1.0; /* before edges collapse */
+        double const squares = (double)run->options.triangles.value[i] * more / 3.0;
         double const r = sqrt(squares * longest * longest / c->certificate.area);
         finest = r > finest ? r : finest;
     }
@@ -105,12 +107,13 @@ static bvx_status fit(cli_run *run, const lod_chain *c, int32_t resolution, bvx_
     return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
 }
 
-/* Bytes that the solid may take: what the limit leaves beside the mesh and the voxelizer's own needs. */
+/* Bytes that the solid may take: half of what the limit leaves beside the mesh and its snapped copy; the other half is
+ * for rows in work, for the levels and for checking them. */
 static uint64_t room_for_solid(const cli_run *run, const lod_chain *c)
 {
     uint64_t const beside = bvx_memory_used(run->context) + 16 * c->view.vertex_count + 4 * c->view.triangle_count;
     if (run->context_limit == 0) return GRID_BYTES_DEFAULT;
-    return run->context_limit > beside ? run->context_limit - beside : 0;
+    return run->context_limit > beside ? (run->context_limit - beside) / 2 : 0;
 }
 
 /* The resolution of the solid: given, or RATIO_WANTED times the finest level where memory allows, else what it allows,
@@ -193,6 +196,7 @@ static int make_level(cli_run *run, lod_chain *c, int i)
     if (o->method != 0) l.method = o->method;
     if (o->threshold != 0.0) l.threshold = o->threshold;
     l.edge_samples = o->edge_samples;
+    l.collapse = o->collapse;
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
     l.source_triangles = c->certificate.triangles;

@@ -179,6 +179,22 @@ BVXI_VECTOR_INLINE void push_pair(const bvxi_solid_job *job, bvxi_cross_batch *b
     b->triangle[n] = (uint16_t)m;
 }
 
+static void take_found(void *sink, uint32_t row, int32_t code)
+{
+    bvxi_cross_batch *const b = sink;
+    b->found[b->found_count].row = row;
+    b->found[b->found_count++].code = code;
+}
+
+/* A triangle of many rows: at once while the buffer has room beside what a batch may need, else left to the tiles. */
+static void cross_many(const bvxi_solid_job *job, bvxi_chunk *chunk, bvxi_cross_batch *b, uint32_t triangle, int64_t pairs)
+{
+    bvxi_rows const all = {0, job->block.ny, 0, job->block.nz};
+    if (pairs <= BVXI_CROSS_MANY && b->found_count + (uint32_t)pairs + BVXI_CROSS_BATCH * BVXI_CROSS_FEW <= BVXI_SOLID_BUFFER)
+        bvxi_cover_spans(job, all, triangle, take_found, b);
+    else chunk->large[chunk->large_count++] = triangle;
+}
+
 BVXI_VECTOR_INLINE void cross_triangles(const bvxi_solid_job *job, bvxi_chunk *chunk, bvxi_cross_batch *b, uint64_t first, uint32_t n)
 {
     uint32_t const kept = keep_covering(job->snapped.cell, b, n);
@@ -198,9 +214,9 @@ BVXI_VECTOR_INLINE void cross_triangles(const bvxi_solid_job *job, bvxi_chunk *c
     }
     for (uint32_t i = 0; i < severals; i++) {
         uint32_t const m = b->several[i];
-        int32_t const pairs = b->tall[m] > BVXI_CROSS_FEW || b->deep[m] > BVXI_CROSS_FEW ? INT32_MAX : b->tall[m] * b->deep[m];
+        int64_t const pairs = (int64_t)b->tall[m] * b->deep[m];
         if (pairs > BVXI_CROSS_FEW) {
-            chunk->large[chunk->large_count++] = (uint32_t)(first + b->kept[m]);
+            cross_many(job, chunk, b, (uint32_t)(first + b->kept[m]), pairs);
             continue;
         }
         if (b->count + (uint32_t)pairs > BVXI_CROSS_BATCH) flush_pairs(job, b);

@@ -60,15 +60,23 @@ static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code,
     }
 }
 
-static void take_large(bvxi_solid_job *job, int32_t tile, uint32_t row, int32_t code)
+typedef struct tile_sink {
+    bvxi_solid_job *job;
+    int32_t tile;
+} tile_sink;
+
+static void take_large(void *user, uint32_t row, int32_t code)
 {
-    if (job->mode == BVXI_TOGGLE) job->crossings[tile]++;
-    take_crossing(job, row, code, job->mode);
+    tile_sink *const sink = user;
+    if (sink->job->mode == BVXI_TOGGLE) sink->job->crossings[sink->tile]++;
+    take_crossing(sink->job, row, code, sink->job->mode);
 }
 
 static void take_tile(void *user, int32_t tile, int32_t worker)
 {
     bvxi_solid_job *const job = user;
+    bvxi_rows const rows = bvxi_tile_rows(job, tile);
+    tile_sink sink = {job, tile};
     (void)worker;
     for (int32_t c = 0; c < job->chunks; c++) {
         const bvxi_chunk *const chunk = job->chunk + c;
@@ -80,7 +88,7 @@ static void take_tile(void *user, int32_t tile, int32_t worker)
         } else {
             for (uint32_t i = begin; i < end; i++) take_crossing(job, x[i].row, x[i].code, job->mode);
         }
-        for (uint32_t i = 0; i < chunk->large_count; i++) bvxi_cover_spans(job, tile, chunk->large[i], take_large);
+        for (uint32_t i = 0; i < chunk->large_count; i++) bvxi_cover_spans(job, rows, chunk->large[i], take_large, &sink);
     }
 }
 

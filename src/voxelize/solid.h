@@ -10,7 +10,7 @@
 #include "grid/grid.h"
 #include "voxelize/cover.h"
 
-enum { BVXI_SOLID_TILES = 32, BVXI_SOLID_CHUNKS = 64, BVXI_SOLID_BUFFER = 8192, BVXI_SOLID_LARGE = 1024 };
+enum { BVXI_SOLID_TILES = 32, BVXI_SOLID_CHUNKS = 64, BVXI_SOLID_BUFFER = 12288, BVXI_SOLID_LARGE = 1024 };
 
 /* A row of the block (k << 16 | j) and where it is crossed: lattice index << 1 | leaving. */
 typedef struct bvxi_crossing {
@@ -55,7 +55,7 @@ typedef struct bvxi_solid_job {
 enum { BVXI_TOGGLE = 0, BVXI_COUNT_LIST = 1, BVXI_FILL_LIST = 2 };
 
 /* A worker's batch of pairs of a triangle and a centre in its box (crossings.c). */
-enum { BVXI_CROSS_BATCH = 512, BVXI_CROSS_FEW = 8 };
+enum { BVXI_CROSS_BATCH = 512, BVXI_CROSS_FEW = 8, BVXI_CROSS_MANY = 2048 };
 
 typedef struct bvxi_cross_batch {
     uint32_t corner[3 * BVXI_CROSS_BATCH];  /* of the batch's triangles */
@@ -113,9 +113,9 @@ static inline bvxi_rows bvxi_tile_rows(const bvxi_solid_job *job, int32_t tile)
 
 /* crossings.c: a chunk's share of a round. */
 void bvxi_find_crossings(void *job, int32_t chunk, int32_t worker);
-/* spans.c: all crossings of a large triangle in a tile, handed over one by one. */
-typedef void bvxi_crossing_fn(bvxi_solid_job *job, int32_t tile, uint32_t row, int32_t code);
-void bvxi_cover_spans(bvxi_solid_job *job, int32_t tile, uint32_t triangle, bvxi_crossing_fn *take);
+/* spans.c: all crossings of a triangle with rows of the block, handed over one by one. */
+typedef void bvxi_crossing_fn(void *sink, uint32_t row, int32_t code);
+void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triangle, bvxi_crossing_fn *take, void *sink);
 /* solid.c: run rounds until all triangles are done, the tiles doing what mode says. */
 bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to);
 /* solid_rows.c: fill listed rows from their lists by the job's rule. */

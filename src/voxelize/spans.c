@@ -1,4 +1,4 @@
-/* spans.c - the rows that one large triangle covers.
+/* spans.c - the rows that one larger triangle covers.
  *
  * Each slice is solved for its span of rows by floor and ceiling divisions of the edge functions in 64-bit integers, so
  * that a needle costs its own length and not its box.
@@ -17,8 +17,8 @@ static inline int32_t most_of_three(int32_t a, int32_t b, int32_t c)
     return m > c ? m : c;
 }
 
-/* Rows of the triangle's box, from the cells of its corners, cut to the tile. */
-static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows tile, bvxi_rows *r)
+/* Rows of the triangle's box, from the cells of its corners, cut to the rows asked for. */
+static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows asked, bvxi_rows *r)
 {
     int32_t y[3], z[3];
     for (int32_t i = 0; i < 3; i++) {
@@ -29,10 +29,10 @@ static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows ti
     r->j1 = most_of_three(y[0], y[1], y[2]);
     r->k0 = least_of_three(z[0], z[1], z[2]);
     r->k1 = most_of_three(z[0], z[1], z[2]);
-    if (r->j0 < tile.j0) r->j0 = tile.j0;
-    if (r->j1 > tile.j1) r->j1 = tile.j1;
-    if (r->k0 < tile.k0) r->k0 = tile.k0;
-    if (r->k1 > tile.k1) r->k1 = tile.k1;
+    if (r->j0 < asked.j0) r->j0 = asked.j0;
+    if (r->j1 > asked.j1) r->j1 = asked.j1;
+    if (r->k0 < asked.k0) r->k0 = asked.k0;
+    if (r->k1 > asked.k1) r->k1 = asked.k1;
     return r->j0 < r->j1 && r->k0 < r->k1;
 }
 
@@ -56,7 +56,7 @@ static void slice_span(const bvxi_triangle *t, int64_t y0, int64_t z, int64_t st
     }
 }
 
-void bvxi_cover_spans(bvxi_solid_job *job, int32_t tile, uint32_t triangle, bvxi_crossing_fn *take)
+void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triangle, bvxi_crossing_fn *take, void *sink)
 {
     const int32_t *const xyz = job->snapped.xyz, *p[3];
     int32_t const f = job->fraction_bits;
@@ -67,7 +67,7 @@ void bvxi_cover_spans(bvxi_solid_job *job, int32_t tile, uint32_t triangle, bvxi
     bvxi_divider d;
     bvxi_rows r;
     bvxi_view_triangle(job->view, triangle, corner);
-    if (!box_rows(job->snapped.cell, corner, bvxi_tile_rows(job, tile), &r)) return;
+    if (!box_rows(job->snapped.cell, corner, rows, &r)) return;
     for (int32_t i = 0; i < 3; i++) p[i] = xyz + 3 * (size_t)corner[i];
     if (!bvxi_triangle_setup(p[0], p[1], p[2], &t)) return;
     for (int32_t a = 1; a < 3; a++)
@@ -80,7 +80,7 @@ void bvxi_cover_spans(bvxi_solid_job *job, int32_t tile, uint32_t triangle, bvxi
         for (int64_t n = first; n <= last; n++) {
             int32_t const j = r.j0 + (int32_t)n;
             int32_t const i = bvxi_cross(&t, &d, f, (double)(y0 + n * step), (double)z, job->block.y0 + j, job->block.z0 + k);
-            take(job, tile, (uint32_t)k << 16 | (uint32_t)j, (int32_t)((uint32_t)i << 1 | (uint32_t)t.leaving));
+            take(sink, (uint32_t)k << 16 | (uint32_t)j, (int32_t)((uint32_t)i << 1 | (uint32_t)t.leaving));
         }
     }
 }
