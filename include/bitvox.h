@@ -314,7 +314,8 @@ typedef struct bvx_certificate {
 
 /** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0).
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (index or coordinate, with its number), BVX_ERR_MEMORY, BVX_ERR_BUDGET.
- *  A mesh without triangles is no error: its certificate is all zero.
+ *  All vertices must be finite, used or not. A mesh without triangles is no error: its certificate says closed 0.
+ *  [Limit: (2^32 - 1) / 3 triangles]
  *  Memory: about 60 bytes a triangle. Cost: O(triangles), radix sorts. Exact: all but volume and area, which are
  *  sums of doubles in triangle order and the same everywhere. */
 BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
@@ -332,7 +333,9 @@ typedef struct bvx_distance_report {
 
 /** Sample each mesh uniformly by area (stratified, from a fixed generator and seed) and measure to the other.
  *  samples [Limit: 1..2^31-1]. Frames are not looked at: give meshes in one frame.
- *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET,
+ *  BVX_CANCELLED. Ties take the least triangle number; samples nearest to a triangle without area are left out of the
+ *  normals' means. Memory: 72 bytes a triangle of both (f64: 108), and 8.
  *  Cost: O((samples + triangles) log triangles). */
 BVX_API bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
                                      uint64_t samples, uint64_t seed, bvx_distance_report *report);

@@ -152,7 +152,7 @@ static int make_solid(cli_run *run, lod_chain *c)
     const char *const path = run->options.input[0];
     bvx_voxelize_options v;
     double start = cli_seconds();
-    bvx_status status = bvx_mesh_check(run->context, &c->view, bvx_format_of_name(path) == BVX_FORMAT_STL, &c->certificate);
+    bvx_status status = bvx_mesh_check(run->context, &c->view, 1, &c->certificate); /* the solid asks for places, not for numbers */
     cli_stage(run, start, "check input");
     if (status != BVX_OK) return cli_fail_status(run, status, path);
     for (int a = 0; a < 3; a++) {
@@ -199,7 +199,7 @@ static int make_level(cli_run *run, lod_chain *c, int i)
     l.collapse = o->collapse;
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
-    l.source_triangles = c->certificate.triangles;
+    l.source_triangles = c->input.triangle_count;
     l.reports = &c->lod[i];
     start = cli_seconds();
     status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
@@ -217,11 +217,11 @@ static int make_level(cli_run *run, lod_chain *c, int i)
     if (status != BVX_OK) return cli_fail_status(run, status, c->path[i]);
     entry->path = c->path[i];
     entry->lod = &c->lod[i];
-    entry->rate = (double)c->mesh[i].triangle_count / (double)c->certificate.triangles;
+    entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
     run->report.meshes = i + 1;
     if (c->lod[i].exceeds_source)
         cli_warn(run, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, i, c->mesh[i].triangle_count,
-                 c->certificate.triangles);
+                 c->input.triangle_count);
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
@@ -260,7 +260,7 @@ static void say_head(cli_run *run, const lod_chain *c)
 {
     const bvx_certificate *const in = &c->certificate;
     const bvx_lattice *const l = &run->report.lattice;
-    cli_say(run, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n", run->options.input[0], in->triangles,
+    cli_say(run, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n", run->options.input[0], c->input.triangle_count,
             in->closed ? "closed" : "not closed", in->edge_manifold && in->vertex_manifold ? "manifold" : "not manifold",
             in->oriented ? "oriented" : "not oriented", c->diagonal);
     cli_say(run, "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64 " set, %.1f ms\n\n", l->dims[0],

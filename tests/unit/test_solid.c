@@ -9,6 +9,7 @@ static fault_heap heap;
 static maker_mesh mesh;
 static uint64_t seed;
 static int quick;             /* on emulated machines: fewer trials */
+static int as_floats;         /* hand the mesh over as packed floats */
 
 static bvx_context *context_with(int32_t threads, int32_t cpu)
 {
@@ -26,6 +27,7 @@ void setUp(void)
     bvx_context_options o;
     seed = UINT64_C(0x5eed5011d);
     quick = getenv("BVX_QUICK") != NULL;
+    as_floats = 0;
     bvx_context_options_init(&o, sizeof o);
     o = fault_options(&o, &heap);
     o.threads = 1;
@@ -63,12 +65,28 @@ static bvx_status fill_with(bvx_context *c, const bvx_mesh_view *view, const bvx
     return bvx_voxelize_solid(c, view, l, &o, grid);
 }
 
+/* The mesh as doubles, or as packed floats in an array that the caller frees. */
+static bvx_mesh_view mesh_view(float **floats)
+{
+    bvx_mesh_view view = maker_view(&mesh);
+    *floats = NULL;
+    if (as_floats) {
+        *floats = maker_grow(NULL, (mesh.vertices + 1) * 3 * sizeof **floats);
+        for (size_t i = 0; i < 3 * mesh.vertices; i++) (*floats)[i] = (float)mesh.p[i];
+        view.positions = *floats;
+        view.position_type = BVX_F32;
+    }
+    return view;
+}
+
 static bvx_grid solid_by(bvx_context *c, const bvx_lattice *l, const bvx_window *window, int32_t fill, bvx_solid_report *report)
 {
-    bvx_mesh_view const view = maker_view(&mesh);
+    float *floats;
+    bvx_mesh_view const view = mesh_view(&floats);
     bvx_grid grid = {0};
     bvx_status const status = fill_with(c, &view, l, window, fill, &grid, report);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(c));
+    free(floats);
     return grid;
 }
 
@@ -576,6 +594,8 @@ static void test_snapping_of_arbitrary_coordinates(void)
             maker_triangle(&mesh, maker_vertex(&mesh, p[0], p[1], p[2]), maker_vertex(&mesh, p[3], p[4], p[5]),
                            maker_vertex(&mesh, p[6], p[7], p[8]));
         }
+        as_floats = trial % 2 && trial % 5;
+        for (size_t i = 0; i < 3 * mesh.vertices && as_floats; i++) mesh.p[i] = (double)(float)mesh.p[i];
         assert_both_rules(&l);
     }
 }
@@ -879,7 +899,6 @@ static void test_more_rows_than_a_block_holds(void)
         dims[axis] = 140000;
         l = lattice_of(dims[0], dims[1], dims[2]);
         make_random(SOUP, 40, dims, l.fraction_bits);
-        if (axis == 1) maker_needles(&mesh, &seed, 40, mesh.p, mesh.p, 1);
         assert_both_rules(&l);
     }
 }
@@ -944,7 +963,8 @@ static bvx_grid untouched; /* stays empty */
 
 static void assert_refused(const bvx_lattice *l, const bvx_window *window, bvx_status status, const char *text)
 {
-    bvx_mesh_view const view = maker_view(&mesh);
+    float *floats;
+    bvx_mesh_view const view = mesh_view(&floats);
     bvx_grid const empty = {0};
     uint64_t const held = bvx_memory_used(ctx);
     for (int32_t fill = 0; fill < 2; fill++) {
@@ -955,31 +975,36 @@ static void assert_refused(const bvx_lattice *l, const bvx_window *window, bvx_s
         TEST_ASSERT_EQUAL_MEMORY(&empty, &untouched, sizeof empty);
         TEST_ASSERT_EQUAL_UINT64(held, bvx_memory_used(ctx));
     }
+    free(floats);
 }
 
 static void test_bad_vertices_are_named_only_when_used(void)
 {
     bvx_lattice const l = lattice_of(65, 12, 13);
-    double const bad[5] = {nan(""), HUGE_VAL, -HUGE_VAL, 1e300, -16400};
-    bvx_grid want, got;
-    make_random(SOUP, 60, l.dims, 16);
-    want = solid_of(&l, BVX_FILL_PARITY);
-    for (int a = 0; a < 3; a++)
-        for (int i = 0; i < 5; i++) {
-            char name[40];
-            size_t const unused = mesh.vertices;
-            uint32_t const kept = mesh.t[3 * 41 + 1];
-            maker_vertex(&mesh, a == 0 ? bad[i] : 1, a == 1 ? bad[i] : 1, a == 2 ? bad[i] : 1);
-            got = solid_of(&l, BVX_FILL_PARITY);
-            assert_same_bits(&want, &got, "an unused vertex");
-            bvx_grid_free(ctx, &got);
-            mesh.t[3 * 41 + 1] = (uint32_t)unused;
-            snprintf(name, sizeof name, "vertex %lu", (unsigned long)unused);
-            assert_refused(&l, NULL, BVX_ERR_RANGE, name);
-            assert_refused(&l, NULL, BVX_ERR_RANGE, i < 3 ? "not finite" : "16384"); /* says what would fit */
-            mesh.t[3 * 41 + 1] = kept;
-        }
-    bvx_grid_free(ctx, &want);
+    double const bad[5] = {nan(""), HUGE_VAL, -HUGE_VAL, 1e30, -16400};
+    static const size_t places[6] = {0, 63, 64, 130, 179, 199};
+    for (int32_t trial = 0; trial < 2 * 6 * 3 * 5; trial++) {
+        size_t const at = places[trial / 2 % 6];
+        int const a = trial / 12 % 3, i = trial / 36;
+        char name[60];
+        bvx_grid want, got;
+        make_random(SOUP, 60, l.dims, 8); /* exact in floats too */
+        for (int n = 0; n < 20; n++) maker_vertex(&mesh, 1, 2, 3); /* used by none */
+        if (at < 180) mesh.t[at] = (uint32_t)(at + 1) % 180;
+        as_floats = trial % 2;
+        want = solid_of(&l, BVX_FILL_PARITY);
+        mesh.p[3 * at + (size_t)a] = bad[i];
+        got = solid_of(&l, BVX_FILL_PARITY);
+        assert_same_bits(&want, &got, "an unused vertex");
+        bvx_grid_free(ctx, &got);
+        bvx_grid_free(ctx, &want);
+        mesh.t[3 * 41 + 1] = (uint32_t)at;
+        mesh.t[3 * 57 + 2] = (uint32_t)at;
+        snprintf(name, sizeof name, "vertex %lu ", (unsigned long)at);
+        assert_refused(&l, NULL, BVX_ERR_RANGE, name);
+        assert_refused(&l, NULL, BVX_ERR_RANGE, i < 3 ? "triangle 41)" : "fraction bits");
+        assert_refused(&l, NULL, BVX_ERR_RANGE, i < 3 ? "not finite" : "16384"); /* says what would fit */
+    }
 }
 
 /* |q| < 2^30: the last coordinates that fit, and the first that do not. */
