@@ -457,7 +457,7 @@ typedef struct bvx_lod_report {
 typedef struct bvx_lod_options {
     size_t struct_size;
     int32_t method;                    /**< BVX_LOD_... [Default: BVX_LOD_EDGE_RATIO, nearer to the original where measured] */
-    int32_t edge_samples;              /**< steps along an edge, edge ratio only [Limit: 0..65536] [Default: 0, four times the ratio rounded up] */
+    int32_t edge_samples;              /**< steps along an edge, edge ratio only [Limit: 0..65536] [Default: 0, the ratio rounded up] */
     double threshold;                  /**< inside means above it [Limit: > 0, < 1, kept to 2^-16] [Default: 0.5] */
     const int32_t *resolutions;        /**< samples along the longest axis of each level [Size: level_count] [Default: NULL] */
     const int32_t *axis_resolutions;   /**< samples along x, y, z of each level [Size: level_count * 3] [Default: NULL] */
@@ -465,7 +465,7 @@ typedef struct bvx_lod_options {
     uint64_t source_triangles;         /**< triangles of the mesh behind the grid, for exceeds_source [Default: 0, unknown] */
     int32_t face_rule;                 /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
     int32_t position_type;             /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
-    int32_t local_frame;               /**< as in bvx_extract_options [Default: 0] */
+    int32_t local_frame;               /**< 1: positions relative to the grid's low corner, which goes to frame [Default: 0] */
     int32_t reserved;
     double collapse;                   /**< target_triangles only: make the level with up to this many times its target, then
                                             collapse the edges that cost least [Limit: 0, or 1..64] [Default: 0, no collapse] */
@@ -487,10 +487,11 @@ BVX_API void bvx_lod_options_init(bvx_lod_options *options, size_t size);
  * (quadric errors; no edge goes that would join two sheets or turn a triangle over; vertices leave the lattice's edges).
  *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (resolution above the grid's; f32 as in bvx_extract_surface), BVX_ERR_EMPTY
- * (a level that keeps nothing, named), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. After a failure no level is left.
+ * (a level that keeps nothing, named), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. After a failure
+ * no level is left: meshes that the library made, also by an earlier call, are freed.
  * Memory: the meshes, one coarse grid, 24 bytes a sample row and column (coverage: and 4 bytes a sample; collapse: and about
  * 300 bytes a vertex before it). Cost: O(words + samples) a level, collapse O(triangles log triangles).
- * Source: "LOD by voxelization and downsampling" 2.4, with the middle of the step and the phase defined.
+ * Source: "LOD by voxelization and downsampling" 2.4, with the place inside the step and the phase defined.
  */
 BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
                                   uint64_t level_count, bvx_mesh *levels);

@@ -52,7 +52,7 @@ static const argument arguments[] = {
     {"--threshold", "T", ARG_REAL, CLI_LOD, FIELD(threshold), 0, 1, 0, 0, {NULL}, 0,
      "a sample above it is inside, 0 < T < 1 [0.5]"},
     {"--edge-samples", "N", ARG_INT, CLI_LOD, FIELD(edge_samples), 1, 65536, 0, 0, {NULL}, 0,
-     "steps along an edge, with --method edge-ratio [4 x the ratio]"},
+     "steps along an edge, with --method edge-ratio [the ratio, rounded up]"},
     {"--collapse", "F", ARG_REAL, CLI_LOD, FIELD(collapse), 0.999999, 64.000001, 0, 0, {NULL}, 0,
      "with --triangles: make up to F times as many, then collapse the\ncheapest edges; 2 to 4 comes much nearer to the mesh [off]"},
     {"--fill", "RULE", ARG_CHOICE, CLI_VOXELIZE | CLI_LOD, FIELD(fill), 0, 0, 0, 0, {"parity", "nonzero", NULL},

@@ -83,6 +83,7 @@ static int32_t level_resolution(const cli_run *run, int level)
 static double finest_level(const cli_run *run, const lod_chain *c)
 {
     double finest = 1.0, longest = 0.0;
+    if (c->by_triangles && !(c->certificate.area > 0.0)) return finest;
     if (!c->by_triangles) {
         for (int i = 0; i < c->count; i++) finest = level_resolution(run, i) > finest ? level_resolution(run, i) : finest;
         return finest;

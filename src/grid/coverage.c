@@ -41,17 +41,52 @@ BVXI_VECTOR_INLINE int64_t cover_row(const bvxi_sample_axis *x, const uint64_t *
     return sum;
 }
 
-/* Covered volume of box (i, j, k). */
+/* The same summed over neighbouring rows, for boxes of at most 64 voxels: what does not change from row to row is done
+ * once, and cut voxels are counted apart. */
+BVXI_VECTOR_INLINE int64_t cover_rows(const bvxi_sample_axis *x, const uint64_t *row, int32_t words, int32_t rows, int32_t i, int fast)
+{
+    int32_t const begin = x->begin[i], n = x->end[i] - begin, shift = begin & 63;
+    uint64_t const mask = n < 64 ? (UINT64_C(1) << n) - 1 : ~UINT64_C(0);
+    uint64_t whole = 0, first = 0, last = 0; /* set voxels: all, the first of each row, the last */
+    if (n > 64) {
+        int64_t sum = 0;
+        for (int32_t a = 0; a < rows; a++, row += words) sum += cover_row(x, row, words, i, fast);
+        return sum;
+    }
+    row += begin >> 6;
+    if (shift + n > 64 && (begin >> 6) + 1 < words) {
+        for (int32_t a = 0; a < rows; a++, row += words) {
+            uint64_t const bits = (row[0] >> shift | row[1] << (64 - shift)) & mask;
+            whole += count_cover(bits, fast);
+            first += bits & 1;
+            last += bits >> (n - 1);
+        }
+    } else {
+        for (int32_t a = 0; a < rows; a++, row += words) {
+            uint64_t const bits = row[0] >> shift & mask;
+            whole += count_cover(bits, fast);
+            first += bits & 1;
+            last += bits >> (n - 1);
+        }
+    }
+    return (int64_t)whole * x->r - (int64_t)first * (x->r - x->first[i]) - (int64_t)last * (x->r - x->last[i]);
+}
+
+/* Covered volume of box (i, j, k): of each slice the first row, the rows between, the last row. */
 BVXI_VECTOR_INLINE int64_t cover_box(const bvxi_downsample *d, int32_t i, int32_t j, int32_t k, int fast)
 {
-    const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
+    const bvxi_sample_axis *const x = &d->axis[0], *const y = &d->axis[1], *const z = &d->axis[2];
+    int32_t const words = d->fine->words_per_row, begin = y->begin[j], rows = y->end[j] - begin;
+    int32_t const inside = y->voxels - begin < rows ? y->voxels - begin : rows; /* rows of the grid, one at least */
+    int32_t const between = (inside < rows ? inside : rows - 1) - 1;
     int64_t sum = 0;
     for (int32_t b = z->begin[k]; b < z->end[k] && b < z->voxels; b++) {
         int64_t const wz = b == z->begin[k] ? z->first[k] : b == z->end[k] - 1 ? z->last[k] : z->r;
-        for (int32_t a = y->begin[j]; a < y->end[j] && a < y->voxels; a++) {
-            int64_t const wy = a == y->begin[j] ? y->first[j] : a == y->end[j] - 1 ? y->last[j] : y->r;
-            sum += cover_row(&d->axis[0], bvxi_fine_row(d, a, b), d->fine->words_per_row, i, fast) * (wy * wz);
-        }
+        const uint64_t *const row = bvxi_fine_row(d, begin, b);
+        int64_t slice = cover_rows(x, row, words, 1, i, fast) * y->first[j];
+        if (between > 0) slice += cover_rows(x, row + words, words, between, i, fast) * y->r;
+        if (rows > 1 && inside == rows) slice += cover_rows(x, row + (int64_t)words * (rows - 1), words, 1, i, fast) * y->last[j];
+        sum += slice * wz;
     }
     return sum;
 }
@@ -86,13 +121,14 @@ BVXI_VECTOR_INLINE int range_is(const uint64_t *row, int32_t words, int32_t begi
     return 1;
 }
 
-/* floor(sum * 2^32 / total) for 0 <= sum <= total < 2^62, at most 2^32 - 1: sixteen bits at a time, whole numbers. */
+/* floor(sum * 2^32 / total) for 0 <= sum <= total < 2^62, at most 2^32 - 1, in whole numbers. */
 static uint32_t fraction_32(int64_t sum, int64_t total)
 {
     uint32_t value = 0;
     uint64_t left = (uint64_t)sum;
     if (sum >= total) return UINT32_MAX;
-    for (int32_t bit = 0; bit < 32; bit++) {
+    if (total <= UINT32_MAX) return (uint32_t)((left << 32) / (uint64_t)total);
+    for (int32_t bit = 0; bit < 32; bit++) { /* a binary digit at a time */
         left <<= 1;
         value <<= 1;
         if (left >= (uint64_t)total) {

@@ -261,7 +261,7 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
             if (guess <= low) guess = low + 1;
         }
     }
-    if (low_count == 0) BVXI_TRY(search_downwards(ctx, job, target, high, &low, &high_count));
+    if (low_count == 0 && high_count != 0) BVXI_TRY(search_downwards(ctx, job, target, high, &low, &high_count));
     if (low == 0 && high_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %u keeps nothing of the solid at any resolution", lod_name, job->level);
     if (low == 0)

@@ -169,10 +169,12 @@ refuses 1 'one point' lod point.obj -o x_%d.ply
 refuses 1 'one point' render point.obj -o x.png
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >flat.obj
 refuses 1 'flat.obj: ' lod flat.obj -o x_%d.ply --quiet
+printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' >line.obj
+refuses 1 'line.obj: ' lod line.obj -o x_%d.ply --triangles 100,50 --quiet
 refuses 1 'lattice' voxelize "$knot" -o x.npy --resolution 16 --window 0,0,0,99,9,9
 refuses 1 'limit' voxelize "$knot" -o x.npy --resolution 1000 --memory-limit 4M
 refuses 1 'memory-limit' info "$knot" --memory-limit 1000
-refuses 1 'limit' lod "$knot" -o x_%d.ply --resolution 30000 --memory-limit 100M
+refuses 1 'limit' lod "$knot" -o x_%d.ply --resolution 3000 --memory-limit 100M
 refuses 1 'level 1' lod "$knot" -o x_%d.ply --levels 32,1 --samples 0 --threshold 0.9
 printf '%s' "$(printf 'x%.0s' 1 2 3 4 5 6 7 8)" >"new
 line.ply"
