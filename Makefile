@@ -63,7 +63,8 @@ endif
 # The house's flags come after the caller's, so an injected -std or -ffp-contract does not win.
 # excess-precision: s390x computes floats in double without it; sse: 32-bit x86 would use the x87.
 # math-errno and trapping-math change no value, they let sqrt and floor be single instructions.
-exact := -ffp-contract=off $(call accepts,-fexcess-precision=fast) $(call accepts,-msse2 -mfpmath=sse) \
+# no-fma: gcc 12 fuses in vectors of add and subtract whatever the contraction says, where -march=native allows it.
+exact := -ffp-contract=off $(call accepts,-mno-fma) $(call accepts,-fexcess-precision=fast) $(call accepts,-msse2 -mfpmath=sse) \
     $(call accepts,-fno-math-errno -fno-trapping-math)
 strict := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion
 base := $(CPPFLAGS) $(CFLAGS) $(strict) $(exact) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc
@@ -172,7 +173,7 @@ environment = MAKE_COMMAND='$(MAKE_COMMAND)' $(foreach v,BUILD UNITY_DIR CC CPPF
 demo: all ## a chain of meshes from a bundled fixture, with a table and a picture
 	@mkdir -p $(BUILD)/demo
 	$(BUILD)/bitvox lod $(DEMO) -o $(BUILD)/demo/level_%d.ply
-	$(BUILD)/bitvox render $(DEMO) $(BUILD)/demo/level_*.ply -o $(BUILD)/demo/levels.png
+	$(BUILD)/bitvox render $(DEMO) $(BUILD)/demo/level_*.ply -o $(BUILD)/demo/levels.png --from 1,-2,3
 	@echo "meshes: $(BUILD)/demo/level_*.ply, picture: $(BUILD)/demo/levels.png"
 
 deps: ## install what the tests need (apt, as root)

@@ -18,7 +18,7 @@ typedef struct argument {
     argument_kind kind;
     int commands;           /* bits */
     size_t field;           /* in cli_options */
-    double low, high;       /* of numbers; REAL: both excluded */
+    double low, high;       /* of numbers; REAL: both excluded, unless least is 1 */
     int least, most;        /* numbers in a list */
     const char *choice[4];  /* names of CHOICE; a name's place is its value less base */
     int base;
@@ -53,7 +53,7 @@ static const argument arguments[] = {
      "a sample above it is inside, 0 < T < 1 [0.5]"},
     {"--edge-samples", "N", ARG_INT, CLI_LOD, FIELD(edge_samples), 1, 65536, 0, 0, {NULL}, 0,
      "steps along an edge, with --method edge-ratio [the ratio, rounded up]"},
-    {"--collapse", "F", ARG_REAL, CLI_LOD, FIELD(collapse), 0.999999, 64.000001, 0, 0, {NULL}, 0,
+    {"--collapse", "F", ARG_REAL, CLI_LOD, FIELD(collapse), 1, 64, 1, 0, {NULL}, 0,
      "with --triangles: make up to F times as many, then collapse the\ncheapest edges; 2 to 4 comes much nearer to the mesh [off]"},
     {"--fill", "RULE", ARG_CHOICE, CLI_VOXELIZE | CLI_LOD, FIELD(fill), 0, 0, 0, 0, {"parity", "nonzero", NULL},
      BVX_FILL_PARITY, "parity: nested shells are cavities; nonzero: overlapping and\ninverted shells are one solid [parity]"},
@@ -176,6 +176,7 @@ static int take_value(const argument *a, const char *text, cli_options *o)
     case ARG_LONG: return take_whole(text, "", a->low, a->high, field, &rest);
     case ARG_REAL:
         good = take_real(text, "", field, &rest);
+        if (a->least == 1) return good && *(double *)field >= a->low && *(double *)field <= a->high;
         return good && *(double *)field > a->low && *(double *)field < a->high;
     case ARG_TRIPLE: return take_triple(text, field);
     case ARG_LIST: good = take_list(a, text, ",", field); return good && !(a->most == 3 && ((cli_list *)field)->count == 2);
@@ -193,7 +194,8 @@ static void describe_value(const argument *a, char *text, size_t room)
     case ARG_INT:
     case ARG_LONG: snprintf(text, room, "a whole number from %.0f to %.0f", a->low, a->high); break;
     case ARG_REAL:
-        if (a->high <= 1.0) snprintf(text, room, "a number above %g and below %g", a->low, a->high);
+        if (a->least == 1) snprintf(text, room, "a number from %g to %g", a->low, a->high);
+        else if (a->high <= 1.0) snprintf(text, room, "a number above %g and below %g", a->low, a->high);
         else snprintf(text, room, "a number above %g", a->low);
         break;
     case ARG_TRIPLE: snprintf(text, room, "three numbers like 3,-4,2"); break;

@@ -114,6 +114,7 @@ for value in '' x -1 1.5 1025 0x10 ' 1' '1 ' 99999999999999999999; do refuses 2 
 for value in '' 0 1T 1KK 99999999999G -5 K; do refuses 2 'count of bytes' info "$knot" --memory-limit "$value"; done
 for value in '' 64, ,64 64,,32 64,0 a 64,32,b 1e3; do refuses 2 'whole numbers' lod "$knot" -o x_%d.ply --levels "$value"; done
 for value in 0 1 -0.5 nan inf 0x1p-1 0.5x 1e; do refuses 2 'above 0 and below 1' lod "$knot" -o x_%d.ply --threshold "$value"; done
+for value in 0.99 65 x; do refuses 2 'a number from 1 to 64' lod "$knot" -o x_%d.ply --triangles 100 --collapse "$value"; done
 refuses 2 'one of: parity, nonzero' lod "$knot" -o x_%d.ply --fill odd
 refuses 2 'one of: edge-ratio, coverage' lod "$knot" -o x_%d.ply --method best
 refuses 2 'exclude each other' lod "$knot" -o x_%d.ply --levels 3 --triangles 100
