@@ -1,0 +1,72 @@
+#!/bin/sh
+# run.sh - all measurements; called by `make bench`, which hands over BENCHES, the folder of the measuring programs.
+#
+# Prints tables and leaves everything in BUILD/bench, report.md first. Other libraries come from pip into BUILD/bench/venv;
+# without Python or network the report says what is missing and shows ours.
+#     MESHES=FOLDER         where the real meshes are [../shared/meshes]
+#     BENCH_RUNS=N          runs of each of our jobs [25]
+#     BENCH_PEERS=0         leave the other libraries out
+#     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+: "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}"
+out=$BUILD/bench
+mesh=$MESHES/dragon_vrip_871414.ply.gz
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d"
+
+load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
+
+if [ ! -f "$mesh" ]; then
+    echo "bench: $mesh is missing; MESHES=FOLDER says where it is"
+    exit 1
+fi
+mkdir -p "$out/ours"
+rm -rf "$out/peers" "$out/peers.json" "$out/judged.jsonl" "$out/report.md"
+load >"$out/load"
+
+# One package that cannot be installed leaves the others.
+prepare_venv() {
+    python3 -m venv "$out/venv" >"$out/venv.log" 2>&1 || return 1
+    for package in $packages; do
+        "$out/venv/bin/python" -m pip install --quiet --disable-pip-version-check "$package" >>"$out/venv.log" 2>&1 ||
+            echo "bench: pip could not install $package, see $out/venv.log"
+    done
+    "$out/venv/bin/python" -c 'import numpy' 2>/dev/null && touch "$out/venv/complete"
+}
+
+echo "== ours"
+"$BENCHES/bench_core" "$mesh" "$out" "$BENCH_RUNS" | tee "$out/core.txt"
+[ -s "$out/solid.json" ] || exit 1
+echo "== levels of detail: distance to the original, two-way in percent of the diagonal"
+"$BENCHES/bench_quality" ours "$mesh" "$out/ours" 2>&1 >"$out/ours.jsonl" | tee "$out/quality.txt"
+
+if [ "$BENCH_PEERS" != 0 ]; then
+    echo "== other libraries (least and median milliseconds, ours in turns with them)"
+    python=$BENCH_PYTHON
+    if [ -z "$python" ]; then
+        if [ ! -f "$out/venv/complete" ]; then prepare_venv; fi
+        if [ -f "$out/venv/complete" ]; then python=$out/venv/bin/python; fi
+    fi
+    if [ -n "$python" ] && "$python" -c 'import numpy'; then
+        # warm memory for them as for us: glibc keeps what was freed instead of giving it back to the system
+        MALLOC_MMAP_MAX_=0 MALLOC_TRIM_THRESHOLD_=17179869184 "$python" tests/bench/peers.py "$out" "$BENCHES/bench_turns"
+        if [ -d "$out/peers" ]; then
+            "$BENCHES/bench_quality" judge "$mesh" "$out"/peers/*.ply 2>&1 >"$out/judged.jsonl" | tee -a "$out/quality.txt"
+        fi
+    else
+        echo "missing: a Python environment with $packages, see $out/venv.log"
+    fi
+fi
+
+echo "== the paper's tables"
+"$BENCHES/bench_paper" "$MESHES" >"$out/paper.md" && echo "in $out/paper.md"
+load >>"$out/load"
+
+if command -v python3 >/dev/null 2>&1; then
+    python3 tests/bench/report.py "$out" || exit 1
+    cat "$out/report.md"
+else
+    echo "missing: python3, which puts the ratios together; report.md has the plain tables"
+    { cat "$out/core.txt" && echo && cat "$out/quality.txt" "$out/paper.md"; } >"$out/report.md"
+fi
+echo "report: $out/report.md, numbers: $out/*.json*"
