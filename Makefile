@@ -85,7 +85,8 @@ fault_tests := $(sort $(wildcard tests/fault/test_*.c))
 golden_tests := $(wildcard tests/golden/golden.c)
 fuzz_tests := $(sort $(wildcard tests/fuzz/fuzz_*.c))
 examples := $(sort $(wildcard tests/examples/*.c))
-benches := $(sort $(wildcard tests/bench/*.c))
+bench_parts := tests/bench/bench.c tests/bench/parity_loop.c
+benches := $(filter-out $(bench_parts),$(sort $(wildcard tests/bench/*.c)))
 
 built = $(patsubst %.c,$(folder)/%$(1),$(2))
 core_objects := $(call built,.o,$(core_sources))
@@ -156,11 +157,14 @@ $(call built,.o,$(unit_tests)): | $(UNITY_DIR)/unity.c
 $(folder)/tests/unit/%: $(folder)/tests/unit/%.o $(folder)/unity.o $(archive)
 	$(link) $^ -o $@ $(libs)
 
+$(folder)/tests/bench/%: $(folder)/tests/bench/%.o $(call built,.o,$(bench_parts)) $(archive)
+	$(link) $^ -o $@ $(libs)
+
 $(folder)/tests/%: $(folder)/tests/%.o $(archive)
 	$(link) $^ -o $@ $(test_libs) $(libs)
 
 -include $(patsubst %.c,$(folder)/%.d,$(core_sources) $(cli_sources) $(unit_tests) $(fault_tests) $(golden_tests) \
-    $(fuzz_tests) $(examples) $(benches))
+    $(fuzz_tests) $(examples) $(benches) $(bench_parts))
 
 print-folder:
 	@echo $(folder)
@@ -191,7 +195,7 @@ san: ## unit, fault and fuzz tests under ASan and UBSan
 golden: $(call built,,$(golden_tests)) $(BUILD)/libbitvox.so ## recompute golden files and show what changed
 	@sh tests/tools/rewrite_golden.sh $(call built,,$(golden_tests)) $(BUILD)
 
-bench: all bench-programs ## speed and memory beside other libraries
-	@BITVOX=$(BUILD)/bitvox BENCHES=$(folder)/tests/bench sh tests/bench/run.sh
+bench: bench-programs ## speed, memory and quality beside other libraries (pip, in build/bench/venv)
+	@BUILD=$(BUILD) BENCHES=$(folder)/tests/bench sh tests/bench/run.sh
 
 endif
