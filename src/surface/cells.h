@@ -10,37 +10,36 @@ typedef struct bvxi_cell_words {
     uint64_t low[4], high[4];
 } bvxi_cell_words;
 
-/* Four rows of cells read word by word from the left. */
-typedef struct bvxi_cell_walk {
-    const uint64_t *row[4];
-    uint64_t carry[4]; /* last centre of the word before: the low-x corner of a word's first cell */
-    int32_t next, words;
-} bvxi_cell_walk;
-
-static inline void bvxi_walk_start(bvxi_cell_walk *walk, const bvxi_march *m, int32_t j, int32_t k)
+/* The four rows of a slot's cells. */
+static inline void bvxi_cell_rows(const bvxi_march *m, int32_t j, int32_t k, const uint64_t *row[4])
 {
-    for (int32_t r = 0; r < 4; r++) {
-        walk->row[r] = bvxi_march_row(m, j + (r & 1), k + (r >> 1));
-        walk->carry[r] = 0;
-    }
-    walk->next = 0;
-    walk->words = m->grid->words_per_row;
+    for (int32_t r = 0; r < 4; r++) row[r] = bvxi_march_row(m, j + (r & 1), k + (r >> 1));
 }
 
-/* The next word's corners. 0 when no cell of it can be active: all corners are empty, or all are set. */
-BVXI_VECTOR_INLINE int bvxi_walk_next(bvxi_cell_walk *walk, bvxi_cell_words *c)
+/* Corners of the cells of word n; n may be one past the rows' words. */
+BVXI_VECTOR_INLINE void bvxi_load_cells(const uint64_t *const row[4], int32_t n, int32_t words, bvxi_cell_words *c)
 {
-    int32_t const n = walk->next++;
-    uint64_t any = 0, all = ~UINT64_C(0);
     for (int32_t r = 0; r < 4; r++) {
-        uint64_t const high = n < walk->words ? walk->row[r][n] : 0; /* one word more than voxels may be asked for */
-        c->high[r] = high;
-        c->low[r] = high << 1 | walk->carry[r];
-        walk->carry[r] = high >> 63;
-        any |= high | c->low[r];
-        all &= high & c->low[r];
+        c->high[r] = n < words ? row[r][n] : 0;
+        c->low[r] = c->high[r] << 1 | (n > 0 ? row[r][n - 1] >> 63 : 0);
     }
-    return any != 0 && all != ~UINT64_C(0);
+}
+
+/* Words of a block, from `first` on, that can hold active cells: those whose four rows are not all empty and not all set,
+ * and those beside a word of another kind, as a word's first cell begins with the centre before it. count is at most
+ * BVXI_CELL_BLOCK; words beyond the rows are empty. */
+BVXI_VECTOR_INLINE uint32_t bvxi_busy_words(const uint64_t *const row[4], int32_t first, int32_t count, int32_t words)
+{
+    uint32_t mixed = 0, full = 0; /* bit n + 1: word first + n; bit 0: the word before */
+    int32_t const begin = first > 0 ? -1 : 0, end = count < words - first ? count : words - first;
+    for (int32_t n = begin; n < end; n++) {
+        uint64_t const a = row[0][first + n], b = row[1][first + n], c = row[2][first + n], d = row[3][first + n];
+        uint64_t const any = a | b | c | d, all = a & b & c & d;
+        uint32_t const is_full = all == ~UINT64_C(0), is_empty = any == 0;
+        full |= is_full << (n + 1);
+        mixed |= (1 - is_full - is_empty) << (n + 1);
+    }
+    return (mixed | mixed << 1 | (full ^ full << 1)) >> 1 & ((UINT32_C(1) << count) - 1);
 }
 
 static inline uint64_t bvxi_active_cells(const bvxi_cell_words *c)
@@ -61,7 +60,7 @@ static inline uint32_t bvxi_cell_case(const bvxi_cell_words *c, int32_t i)
 
 /* Words looked at together: what they hold is laid out in lists first, so that loops run over lists of known length
  * and not over the bits of each word. */
-enum { BVXI_CELL_BLOCK = 16 };
+enum { BVXI_CELL_BLOCK = 16, BVXI_CELL_BLOCK_CELLS = BVXI_CELL_BLOCK * 64 };
 
 typedef struct bvxi_cell_list {
     uint32_t count;
@@ -92,5 +91,38 @@ BVXI_VECTOR_INLINE void bvxi_list_bits(bvxi_cell_list *list, uint64_t mask, int3
         at += group;
     } while (mask != 0);
 }
+
+/* Case numbers of active cells, one after the other. */
+typedef struct bvxi_case_list {
+    uint32_t count;
+    uint8_t number[BVXI_CELL_BLOCK_CELLS + 8]; /* room for one group of eight beyond */
+} bvxi_case_list;
+
+BVXI_VECTOR_INLINE void bvxi_list_cases(bvxi_case_list *list, const bvxi_cell_words *c, uint64_t active)
+{
+    for (; active != 0; active &= active - 1) list->number[list->count++] = (uint8_t)bvxi_cell_case(c, bvxi_lowest(active));
+}
+
+#if BVXI_HAVE_AVX2
+#include <immintrin.h>
+
+/* The same, eight cells at a time: each corner's bits are spread to one bit of eight bytes, and the bytes of inactive cells
+ * are squeezed out. */
+BVXI_AVX2 static inline void bvxi_list_cases_bmi2(bvxi_case_list *list, const bvxi_cell_words *c, uint64_t active)
+{
+    uint64_t const ones = UINT64_C(0x0101010101010101);
+    while (active != 0) {
+        int32_t const shift = __builtin_ctzll(active) & ~7;
+        uint64_t const keep = _pdep_u64(active >> shift, ones) * 255; /* the deposit takes the lowest eight bits alone */
+        uint64_t cases = 0, packed;
+        for (int32_t r = 0; r < 4; r++)
+            cases |= _pdep_u64(c->low[r] >> shift, ones << 2 * r) | _pdep_u64(c->high[r] >> shift, ones << (2 * r + 1));
+        packed = _pext_u64(cases, keep);
+        memcpy(list->number + list->count, &packed, 8); /* AVX2 machines are little-endian */
+        list->count += (uint32_t)__builtin_popcountll(keep) / 8;
+        active &= ~(UINT64_C(0xff) << shift);
+    }
+}
+#endif
 
 #endif

@@ -5,30 +5,37 @@ BVXI_VECTOR_INLINE void count_slot(const bvxi_march *m, uint64_t slot, int fast)
 {
     bvxi_slot *const s = &m->slots[slot];
     const uint8_t *const triangles = bvxi_cell_triangle_count[m->options.face_rule];
+    int32_t const words = m->grid->words_per_row;
     uint32_t n[3] = {0, 0, 0}, triangle_count = 0;
-    bvxi_cell_words cells[BVXI_CELL_BLOCK];
-    bvxi_cell_list active;
-    bvxi_cell_walk walk;
+    const uint64_t *row[4];
+    bvxi_case_list cases;
     uint64_t has[4]; /* all ones where the slot owns what it counts */
     int32_t j, k;
     bvxi_slot_row(m, slot, &j, &k);
+    bvxi_cell_rows(m, j, k, row);
     for (int32_t a = 0; a < 4; a++) has[a] = bvxi_slot_has(m, a, j, k) ? ~UINT64_C(0) : 0;
-    bvxi_walk_start(&walk, m, j, k);
     for (int32_t first = 0; first < m->edge_words; first += BVXI_CELL_BLOCK) {
         int32_t const block = m->edge_words - first < BVXI_CELL_BLOCK ? m->edge_words - first : BVXI_CELL_BLOCK;
-        active.count = 0;
-        for (int32_t w = 0; w < block; w++) {
-            bvxi_cell_words *const c = &cells[w];
-            uint64_t visited;
-            if (!bvxi_walk_next(&walk, c)) continue;
-            visited = bvxi_visited(m, first + w);
-            n[0] += bvxi_count_bits((c->low[0] ^ c->high[0]) & visited & has[0], fast);
-            n[1] += bvxi_count_bits((c->high[0] ^ c->high[1]) & has[1], fast);
-            n[2] += bvxi_count_bits((c->high[0] ^ c->high[2]) & has[2], fast);
-            bvxi_list_bits(&active, bvxi_active_cells(c) & visited & has[3], w, 4, fast);
+        cases.count = 0;
+        for (uint32_t busy = bvxi_busy_words(row, first, block, words); busy != 0; busy &= busy - 1) {
+            int32_t const w = first + bvxi_lowest(busy);
+            uint64_t const visited = bvxi_visited(m, w);
+            bvxi_cell_words c;
+            uint64_t active;
+            bvxi_load_cells(row, w, words, &c);
+            n[0] += bvxi_count_bits((c.low[0] ^ c.high[0]) & visited & has[0], fast);
+            n[1] += bvxi_count_bits((c.high[0] ^ c.high[1]) & has[1], fast);
+            n[2] += bvxi_count_bits((c.high[0] ^ c.high[2]) & has[2], fast);
+            active = bvxi_active_cells(&c) & visited & has[3];
+#if BVXI_HAVE_AVX2
+            if (fast) {
+                bvxi_list_cases_bmi2(&cases, &c, active);
+                continue;
+            }
+#endif
+            bvxi_list_cases(&cases, &c, active);
         }
-        for (uint32_t i = 0; i < active.count; i++)
-            triangle_count += triangles[bvxi_cell_case(&cells[active.at[i] >> 6], active.at[i] & 63)];
+        for (uint32_t i = 0; i < cases.count; i++) triangle_count += triangles[cases.number[i]];
     }
     for (int32_t a = 0; a < 3; a++) s->edge[a] = n[a];
     s->triangle = triangle_count;

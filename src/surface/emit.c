@@ -5,10 +5,6 @@
  * counter and whether it is the next crossing (tables.h). */
 #include "surface/cells.h"
 
-#if BVXI_HAVE_AVX2
-#include <immintrin.h>
-#endif
-
 /* Vertices keep this far from an edge's ends, in edge lengths: two f32 steps at least (march.c), so no two meet. */
 #define EDGE_MARGIN (1.0 / 128.0)
 
@@ -86,12 +82,11 @@ static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_
 }
 
 /* The active cells of a block. */
-static uint32_t *emit_cells(const bvxi_march *m, const bvxi_cell_words *cells, const bvxi_cell_list *active, uint32_t from,
-                            uint32_t counter[8], uint32_t *out)
+static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, uint32_t from, uint32_t counter[8], uint32_t *out)
 {
     int32_t const rule = m->options.face_rule;
-    for (uint32_t a = from; a < active->count; a++) {
-        uint32_t const n = bvxi_cell_case(&cells[active->at[a] >> 6], active->at[a] & 63);
+    for (uint32_t a = from; a < cases->count; a++) {
+        uint32_t const n = cases->number[a];
         const uint8_t *const lane = bvxi_cell_triangle_lane[rule][n], *const offset = bvxi_cell_triangle_offset[rule][n];
         const uint8_t *const step = bvxi_cell_lane_step[n];
         uint32_t const corners = 3u * bvxi_cell_triangle_count[rule][n];
@@ -104,16 +99,16 @@ static uint32_t *emit_cells(const bvxi_march *m, const bvxi_cell_words *cells, c
 
 #if BVXI_HAVE_AVX2
 /* The same, sixteen corners at a time; writes up to sixteen numbers, so it stops before the piece's end comes near. */
-BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_cell_words *cells, const bvxi_cell_list *active,
-                                           uint32_t counter[8], uint32_t *out, const uint32_t *end)
+BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_list *cases, uint32_t counter[8], uint32_t *out,
+                                           const uint32_t *end)
 {
     int32_t const rule = m->options.face_rule;
     const uint8_t(*const lanes)[BVXI_CELL_ROW] = bvxi_cell_triangle_lane[rule];
     const uint8_t(*const offsets)[BVXI_CELL_ROW] = bvxi_cell_triangle_offset[rule];
     __m256i count = _mm256_loadu_si256((const __m256i *)(const void *)counter);
     uint32_t done = 0;
-    for (; done < active->count && end - out >= BVXI_CELL_ROW; done++) {
-        uint32_t const n = bvxi_cell_case(&cells[active->at[done] >> 6], active->at[done] & 63);
+    for (; done < cases->count && end - out >= BVXI_CELL_ROW; done++) {
+        uint32_t const n = cases->number[done];
         __m128i const lane = _mm_loadu_si128((const __m128i *)(const void *)lanes[n]);
         __m128i const offset = _mm_loadu_si128((const __m128i *)(const void *)offsets[n]);
         __m128i const step = _mm_loadl_epi64((const __m128i *)(const void *)bvxi_cell_lane_step[n]);
@@ -125,31 +120,40 @@ BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_cell_
         out += 3u * bvxi_cell_triangle_count[rule][n];
     }
     _mm256_storeu_si256((__m256i *)(void *)counter, count);
-    return emit_cells(m, cells, active, done, counter, out);
+    return emit_cells(m, cases, done, counter, out);
 }
 #endif
 
 /* ---- a slot ---- */
 
 typedef struct emit_block {
-    bvxi_cell_words cells[BVXI_CELL_BLOCK];
-    bvxi_cell_list edge[3], active;
+    bvxi_cell_list edge[3];
+    bvxi_case_list cases;
 } emit_block;
 
-BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, bvxi_cell_walk *walk, const uint64_t has[4], int32_t first,
+BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const row[4], const uint64_t has[4], int32_t first,
                                    emit_block *b, int fast)
 {
     int32_t const left = m->edge_words - first, block = left < BVXI_CELL_BLOCK ? left : BVXI_CELL_BLOCK;
-    b->active.count = b->edge[0].count = b->edge[1].count = b->edge[2].count = 0;
-    for (int32_t w = 0; w < block; w++) {
-        bvxi_cell_words *const c = &b->cells[w];
-        uint64_t visited;
-        if (!bvxi_walk_next(walk, c)) continue;
-        visited = bvxi_visited(m, first + w);
-        bvxi_list_bits(&b->edge[0], (c->low[0] ^ c->high[0]) & visited & has[0], w, 3, fast);
-        bvxi_list_bits(&b->edge[1], (c->high[0] ^ c->high[1]) & has[1], w, 3, fast);
-        bvxi_list_bits(&b->edge[2], (c->high[0] ^ c->high[2]) & has[2], w, 3, fast);
-        bvxi_list_bits(&b->active, bvxi_active_cells(c) & visited & has[3], w, 4, fast);
+    int32_t const words = m->grid->words_per_row;
+    b->cases.count = b->edge[0].count = b->edge[1].count = b->edge[2].count = 0;
+    for (uint32_t busy = bvxi_busy_words(row, first, block, words); busy != 0; busy &= busy - 1) {
+        int32_t const w = bvxi_lowest(busy);
+        uint64_t const visited = bvxi_visited(m, first + w);
+        bvxi_cell_words c;
+        uint64_t active;
+        bvxi_load_cells(row, first + w, words, &c);
+        bvxi_list_bits(&b->edge[0], (c.low[0] ^ c.high[0]) & visited & has[0], w, 3, fast);
+        bvxi_list_bits(&b->edge[1], (c.high[0] ^ c.high[1]) & has[1], w, 3, fast);
+        bvxi_list_bits(&b->edge[2], (c.high[0] ^ c.high[2]) & has[2], w, 3, fast);
+        active = bvxi_active_cells(&c) & visited & has[3];
+#if BVXI_HAVE_AVX2
+        if (fast) {
+            bvxi_list_cases_bmi2(&b->cases, &c, active);
+            continue;
+        }
+#endif
+        bvxi_list_cases(&b->cases, &c, active);
     }
 }
 
@@ -158,17 +162,17 @@ BVXI_VECTOR_INLINE void emit_slot(const bvxi_march *m, uint64_t slot, const uint
     const bvxi_slot *const s = &m->slots[slot];
     uint32_t *out = m->mesh->triangles + 3 * (size_t)s->triangle;
     uint64_t vertex[3] = {s->edge[0], s->edge[1], s->edge[2]}, has[4];
-    bvxi_cell_walk walk;
+    const uint64_t *row[4];
     uint32_t counter[8];
     emit_block b;
     int32_t j, k;
     if (s[1].edge[0] == s->edge[0] && s[1].triangle == s->triangle) return;
     bvxi_slot_row(m, slot, &j, &k);
     start_counters(m, slot, j, k, counter);
-    bvxi_walk_start(&walk, m, j, k);
+    bvxi_cell_rows(m, j, k, row);
     for (int32_t a = 0; a < 4; a++) has[a] = bvxi_slot_has(m, a, j, k) ? ~UINT64_C(0) : 0;
     for (int32_t first = 0; first < m->edge_words; first += BVXI_CELL_BLOCK) {
-        load_block(m, &walk, has, first, &b, fast);
+        load_block(m, row, has, first, &b, fast);
         for (int32_t axis = 0; axis < 3; axis++) {
             if (m->ratio == NULL) emit_middles(m, axis, j, k, &b.edge[axis], first, vertex[axis]);
             else emit_ratios(m, axis, j, k, &b.edge[axis], first, vertex[axis]);
@@ -176,11 +180,11 @@ BVXI_VECTOR_INLINE void emit_slot(const bvxi_march *m, uint64_t slot, const uint
         }
 #if BVXI_HAVE_AVX2
         if (fast) {
-            out = emit_cells_avx2(m, b.cells, &b.active, counter, out, piece_end);
+            out = emit_cells_avx2(m, &b.cases, counter, out, piece_end);
             continue;
         }
 #endif
-        out = emit_cells(m, b.cells, &b.active, 0, counter, out);
+        out = emit_cells(m, &b.cases, 0, counter, out);
     }
     (void)piece_end;
 }

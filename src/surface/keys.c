@@ -21,15 +21,15 @@ static void key_slot(const bvxi_march *m, uint64_t slot)
     const uint8_t *const triangles = bvxi_cell_triangle_count[m->options.face_rule];
     const bvxi_slot *const s = &m->slots[slot];
     uint64_t *out[3], *triangle = m->mesh->triangle_keys + s->triangle;
-    bvxi_cell_walk walk;
+    const uint64_t *row[4];
     int32_t j, k;
     bvxi_slot_row(m, slot, &j, &k);
-    bvxi_walk_start(&walk, m, j, k);
+    bvxi_cell_rows(m, j, k, row);
     for (int32_t a = 0; a < 3; a++) out[a] = m->mesh->vertex_keys + s->edge[a];
     for (int32_t w = 0; w < m->edge_words; w++) {
         uint64_t const visited = bvxi_visited(m, w);
         bvxi_cell_words c;
-        if (!bvxi_walk_next(&walk, &c)) continue;
+        bvxi_load_cells(row, w, m->grid->words_per_row, &c);
         if (bvxi_slot_has(m, 0, j, k)) out[0] = key_bits(m, (c.low[0] ^ c.high[0]) & visited, w, j, k, 0, out[0]);
         if (bvxi_slot_has(m, 1, j, k)) out[1] = key_bits(m, c.high[0] ^ c.high[1], w, j, k, 1, out[1]);
         if (bvxi_slot_has(m, 2, j, k)) out[2] = key_bits(m, c.high[0] ^ c.high[2], w, j, k, 2, out[2]);
