@@ -4,7 +4,7 @@
  * threads nor the batches show in any result. */
 #include "context.h"
 
-enum { BATCHES = 16, TASKS_PER_WORKER = 8 };
+enum { BATCHES = 8, TASKS_PER_WORKER = 16 };
 
 bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction)
 {
