@@ -71,6 +71,7 @@ base := $(CPPFLAGS) $(CFLAGS) $(strict) $(exact) -fPIC -fvisibility=hidden -MMD 
 libs := $(openmp) -lm
 
 soname := libbitvox.so.$(shell sed -n 's/^.define BVX_VERSION_MAJOR //p' include/bitvox.h)
+threads := $(call accepts,-pthread)
 link_shared := -shared $(call accepts,-Wl$(comma)-soname$(comma)$(soname))
 
 key := $(CC) $(shell $(CC) --version 2>/dev/null | head -n 1) $(base) $(LDFLAGS) $(libs) $(zlib) $(WERROR)
@@ -117,13 +118,13 @@ $(folder)/libbitvox.so: $(core_objects) $(folder)/sources
 	$(link) $(link_shared) $(core_objects) -o $@ $(libs)
 
 $(folder)/bitvox: $(cli_objects) $(archive)
-	$(link) $(cli_objects) $(archive) -o $@ $(libs) $(zlib)
+	$(link) $(cli_objects) $(archive) -o $@ $(libs) $(zlib) $(threads)
 
 # Make hands a target's variables on to what it is made from; flags is set for all sources, so none come from a test.
 $(folder)/src/%: errors = -Werror
 $(folder)/src/%: flags =
 $(folder)/src/core/openmp.o: flags = $(openmp)
-$(folder)/src/cli/%: flags = $(if $(zlib),-DBVX_HAVE_ZLIB)
+$(folder)/src/cli/%: flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads)
 
 $(folder)/%.o: %.c
 	@mkdir -p $(@D)

@@ -156,4 +156,9 @@ int cli_make_context(cli_run *run, uint64_t file_bytes);
 
 extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render;
 
+/* ---- pool.c ---- */
+
+/* Give options the program's own threads, as many as they ask for (0: one a processor). */
+void cli_pool_offer(bvx_context_options *options);
+
 #endif

@@ -70,6 +70,7 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     bvx_status status;
     bvx_context_options_init(&o, sizeof o);
     o.threads = run->options.threads;
+    cli_pool_offer(&o);
     o.progress = cli_progress;
     o.progress_user = run;
     if (run->options.memory_limit != 0)
