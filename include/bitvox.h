@@ -379,7 +379,8 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (vertex or index with its number: not
  * finite, beyond the vertices, or too far from the lattice for its fixed point), BVX_ERR_CAPACITY, BVX_ERR_BUDGET,
  * BVX_ERR_MEMORY, BVX_CANCELLED.
- * Memory: the grid, 16 bytes a vertex, 4 a triangle that covers a row (nonzero: 8 a crossing more), small change.
+ * Memory: the grid, 16 bytes a vertex, 1 a row, 100 KiB for each 4096 triangles up to 6.3 MiB, 160 KiB a worker; rows
+ * filled from lists (nonzero, or where rows do not balance): 8 bytes a row and 4 a crossing of theirs.
  * Cost: O(vertices + triangles + crossings + words). Local: a window holds the bits of the whole there.
  * Source: scanline solid of "LOD by voxelization and downsampling" 2.3, with an exact tie rule in place of offsets.
  */

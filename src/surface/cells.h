@@ -5,6 +5,10 @@
 #include "surface/march.h"
 #include "surface/tables.h"
 
+#if BVXI_HAVE_AVX2
+#include <immintrin.h>
+#endif
+
 /* Corners of 64 cells: rows (y,z) = (0,0) (1,0) (0,1) (1,1), low-x and high-x corner of each cell. */
 typedef struct bvxi_cell_words {
     uint64_t low[4], high[4];
@@ -104,8 +108,6 @@ BVXI_VECTOR_INLINE void bvxi_list_cases(bvxi_case_list *list, const bvxi_cell_wo
 }
 
 #if BVXI_HAVE_AVX2
-#include <immintrin.h>
-
 /* The same, eight cells at a time: each corner's bits are spread to one bit of eight bytes, and the bytes of inactive cells
  * are squeezed out. */
 BVXI_AVX2 static inline void bvxi_list_cases_bmi2(bvxi_case_list *list, const bvxi_cell_words *c, uint64_t active)

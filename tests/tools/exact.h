@@ -57,6 +57,12 @@ static inline int exact_sign(exact_number a)
 /* Sign of a0 b0 + a1 b1 + a2 b2. */
 static inline int exact_sign_of_sum(int64_t a0, int64_t b0, int64_t a1, int64_t b1, int64_t a2, int64_t b2)
 {
+    int64_t const few = INT64_C(1) << 30;
+    if (a0 < few && a0 > -few && a1 < few && a1 > -few && a2 < few && a2 > -few && b0 < few && b0 > -few && b1 < few &&
+        b1 > -few && b2 < few && b2 > -few) { /* products below 2^60, 2^62 in sum */
+        int64_t const s = a0 * b0 + a1 * b1 + a2 * b2;
+        return (s > 0) - (s < 0);
+    }
 #if defined(__SIZEOF_INT128__) && !defined(EXACT_PLAIN)
     int64_t const most = INT64_C(1) << 60; /* products below 2^123, 2^125 in sum */
     if (a0 < most && a0 > -most && a1 < most && a1 > -most && a2 < most && a2 > -most) {

@@ -68,7 +68,13 @@ static inline int oracle_covers(const int64_t *const p[3], int64_t y, int64_t z)
  * order 1, e_x; it grows with the index. */
 static inline int64_t oracle_index(const int64_t *const p[3], int64_t y, int64_t z, int32_t fraction_bits)
 {
-    int64_t u[3], v[3], n[3], low = -(INT64_C(1) << 28), high = INT64_C(1) << 28;
+    int64_t u[3], v[3], n[3], low = p[0][0], high = p[0][0];
+    for (int i = 1; i < 3; i++) {
+        low = p[i][0] < low ? p[i][0] : low;
+        high = p[i][0] > high ? p[i][0] : high;
+    }
+    low = (int64_t)floor((double)low / (double)(1 << fraction_bits)) - 2; /* the plane is met between the corners */
+    high = (int64_t)floor((double)high / (double)(1 << fraction_bits)) + 2;
     for (int a = 0; a < 3; a++) {
         u[a] = p[1][a] - p[0][a];
         v[a] = p[2][a] - p[0][a];

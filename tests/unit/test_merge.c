@@ -301,6 +301,21 @@ static void test_an_index_beyond_the_vertices_is_refused(void)
     assert_refused(BVX_ERR_RANGE, part, 2, "part 1");
 }
 
+/* Counts beyond what numbers of 32 bits can name are refused before anything is read, also where their sum wraps round. */
+static void test_too_many_vertices_are_refused(void)
+{
+    static const int32_t low[3] = {0, 0, 0}, high[3] = {5, 5, 5};
+    bvx_extract_options const o = extract_options();
+    bvx_mesh bad[2];
+    open_noise(6, 6, 6, 0, 8);
+    extract_part(low, high, &o);
+    bad[0] = bad[1] = part[0];
+    bad[1].vertex_count = UINT32_MAX;
+    assert_refused(BVX_ERR_RANGE, bad, 2, "vertices");
+    bad[0].vertex_count = bad[1].vertex_count = UINT64_C(1) << 63;
+    assert_refused(BVX_ERR_RANGE, bad, 2, "vertices");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -310,5 +325,6 @@ int main(void)
     RUN_TEST(test_empty_parts);
     RUN_TEST(test_refusals);
     RUN_TEST(test_an_index_beyond_the_vertices_is_refused);
+    RUN_TEST(test_too_many_vertices_are_refused);
     return UNITY_END();
 }

@@ -275,6 +275,31 @@ static void test_long_rows(void)
         }
 }
 
+/* Long runs that begin and end at or near the edges of words, alike in most rows: words all set, all empty, and every
+ * change between them, also where blocks of words meet. */
+static void test_runs_at_the_edges_of_words(void)
+{
+    static const int32_t widths[] = {64, 128, 129, 320, 1023, 1024, 1025, 1088, 1089, 2048, 2113};
+    for (size_t w = 0; w < sizeof widths / sizeof widths[0]; w++)
+        for (int32_t trial = 0; trial < (quick ? 4 : 24); trial++) {
+            int32_t const nx = widths[w], ny = 1 + trial % 3, nz = 1 + trial / 3 % 3;
+            bvx_extract_options o = extract_options();
+            o.face_rule = trial & 1;
+            o.open_sides = trial % 4 == 3 ? maker_below(&seed, 64) : 0;
+            open_grid(odd_origin, odd_spacing, nx, ny, nz, 1);
+            for (int32_t run = 0; run < 1 + nx / 160; run++) {
+                int32_t const near_edge = maker_below(&seed, 3), off = maker_below(&seed, 3) - 1;
+                int32_t const begin = near_edge ? maker_below(&seed, nx / 64 + 1) * 64 + off : maker_below(&seed, nx);
+                int32_t const end = begin + (near_edge ? (1 + maker_below(&seed, 4)) * 64 + maker_below(&seed, 3) - 1 : maker_below(&seed, 300));
+                int32_t const value = maker_below(&seed, 4) != 0, some = maker_below(&seed, 4) == 0;
+                for (int32_t row = 0; row < ny * nz; row++)
+                    for (int32_t x = begin < 0 ? 0 : begin; x < end && x < nx && !(some && maker_below(&seed, 300) == 0); x++)
+                        bvx_grid_set(&grid, x, row % ny, row / ny, value);
+            }
+            assert_is_oracle(&o);
+        }
+}
+
 /* Many rows: more slots than pieces, rows of several words. */
 static void test_noise_in_many_pieces(void)
 {
@@ -677,6 +702,7 @@ int main(void)
     RUN_TEST(test_all_combinations_of_open_sides);
     RUN_TEST(test_open_sides_of_flat_windows);
     RUN_TEST(test_long_rows);
+    RUN_TEST(test_runs_at_the_edges_of_words);
     RUN_TEST(test_noise_in_many_pieces);
     RUN_TEST(test_noise_is_closed_and_manifold);
     RUN_TEST(test_all_small_sets_are_closed_and_manifold);
