@@ -171,7 +171,7 @@ struct bvx_mesh_view;
 BVX_API void bvx_lattice_options_init(bvx_lattice_options *options, size_t size);
 
 /** A lattice of cubic voxels around a mesh, resolution voxels along its longest axis, low-aligned: bounds of the
- *  vertices that triangles use, dims the least count that covers them.
+ *  vertices that triangles use (all must be finite, used or not), dims the least count that covers them.
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (a coordinate that is not finite, an index
  *  beyond the vertices, dims beyond 2^25). Memory: none. Cost: O(vertices + triangles). */
 BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const struct bvx_mesh_view *mesh, int32_t resolution,
@@ -374,7 +374,8 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  * were moved by (e_x, e_y, e_z), e_x >> e_y >> e_z > 0, so shared edges are counted once and solids that share
  * faces never share voxels. Rows whose crossings do not balance over the whole line drop the unmatched ones and are
  * counted: parity drops the crossing without which least of the row is filled (the later of two equals); nonzero
- * drops leaving crossings with nothing before them to leave, or entering ones with nothing behind.
+ * drops leaving crossings with nothing before them to leave, or entering ones with nothing behind (at one voxel entering
+ * counts before leaving). Vertices that no triangle uses may be anything.
  *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (vertex or index with its number: not
  * finite, beyond the vertices, or too far from the lattice for its fixed point), BVX_ERR_CAPACITY, BVX_ERR_BUDGET,

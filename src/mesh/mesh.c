@@ -16,6 +16,8 @@ static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t po
                          "%s: a mesh that brings arrays needs both positions of the type asked for and triangles", function);
     if (keys && (mesh->vertex_keys == NULL || mesh->triangle_keys == NULL))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys are asked for and the mesh given has no arrays for them", function);
+    if (!keys && (mesh->vertex_keys != NULL || mesh->triangle_keys != NULL)) /* they would hold another surface's */
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the mesh brings arrays for keys; ask for keys or leave them NULL", function);
     if (mesh->vertex_capacity < vertex_count || mesh->triangle_capacity < triangle_count)
         return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the surface has %u vertices and %u triangles, the arrays hold %u and %u",
                          function, vertex_count, triangle_count, mesh->vertex_capacity, mesh->triangle_capacity);

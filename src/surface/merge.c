@@ -21,6 +21,9 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
     const bvx_mesh *const first = w->parts;
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];
+        if (m->vertex_count >= UINT32_MAX || m->triangle_count >= UINT32_MAX) /* before sums of them could wrap */
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: part %u has %u vertices and %u triangles; 2^32 - 2 are possible", merge_name, p,
+                             m->vertex_count, m->triangle_count);
         if (m->vertex_count != 0 && (m->positions == NULL || m->vertex_keys == NULL))
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has no vertex keys; extract it with keys", merge_name, p);
         if (m->triangle_count != 0 && (m->triangles == NULL || m->triangle_keys == NULL))
