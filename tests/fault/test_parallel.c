@@ -153,7 +153,7 @@ static void test_progress_grows_and_cancels_at_every_call(void **state)
         before = r.started;
         bvx_context_destroy(ctx);
     }
-    assert_true(n > 10);
+    assert_true(n > 8); /* a large step asks at least eight times */
 }
 
 static void test_two_contexts_share_nothing(void **state)
