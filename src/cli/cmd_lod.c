@@ -204,6 +204,10 @@ static int make_level(cli_run *run, lod_chain *c, int i)
     l.reports = &c->lod[i];
     start = cli_seconds();
     status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
+    if (status == BVX_ERR_RANGE && strstr(bvx_last_message(run->context), "take f64") != NULL) { /* far from the origin */
+        l.position_type = BVX_F64;
+        status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
+    }
     entry->milliseconds = (cli_seconds() - start) * 1e3;
     cli_stage(run, start, "level %d", i);
     if (status != BVX_OK) {

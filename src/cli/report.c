@@ -71,7 +71,9 @@ int cli_fail_interrupted(cli_run *run)
 
 int cli_fail_status(cli_run *run, bvx_status status, const char *about)
 {
-    const char *const message = run->context != NULL ? without_function(bvx_last_message(run->context)) : "";
+    const char *message = run->context != NULL ? without_function(bvx_last_message(run->context)) : "";
+    if (strncmp(message, "level 0", 7) == 0) /* the library is asked for one level at a time; about tells which */
+        message += message[7] == ',' || message[7] == ' ' ? 8 + (message[7] == ',') : 0;
     if (status == BVX_CANCELLED) return cli_fail_interrupted(run);
     snprintf(run->report.error_code, sizeof run->report.error_code, "%s", status_name(status));
     snprintf(run->report.error_message, sizeof run->report.error_message, "%s%s%s", about != NULL ? about : "",
