@@ -59,6 +59,7 @@ typedef struct cli_options {
     double collapse;
     int64_t samples;            /* -1: not given */
     int32_t smooth;
+    int32_t voxels;             /* along the longest axis; 0: draw the mesh */
 } cli_options;
 
 /* Fill run->options; CLI_DONE or CLI_USAGE with a message. */

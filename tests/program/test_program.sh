@@ -260,6 +260,9 @@ run info z0.obj
 holds 'no more triangles than asked for' test "$(awk '/triangles/ { print $2 }' out)" -le 3000
 run lod "$knot" -o y.ply --levels 128 --samples 0 --resolution 128 --method edge-ratio --edge-samples 3
 holds 'a level larger than the input is told' grep -q 'more triangles than the input' err
+run render "$knot" -o voxels.png --voxels 40 --size 200x150
+holds 'render --voxels' test $status = 0 -a -s voxels.png
+refuses 2 'needs --voxels' render "$knot" -o x.png --fill nonzero
 run lod "$knot" -o y.ply --levels 64 --samples 0 --memory-limit 6M
 holds 'a memory limit lowers the resolution' grep -q 'what memory allows' out
 cp "$knot" same.ply
