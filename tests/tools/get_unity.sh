@@ -32,7 +32,7 @@ done
 
 mirror=${UNITY_MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Component: main' \
     'Origin: Debian' 2>/dev/null | grep -v -e security -e updates | head -n 1)}
-mirror=${mirror:-http://deb.debian.org/debian}
+[ -n "$mirror" ] || refuse "apt knows no Debian archive; set UNITY_MIRROR"
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
