@@ -50,9 +50,7 @@ static void slice_span(const bvxi_triangle *t, int64_t y0, int64_t z, int64_t st
         } else if (dz < 0) {
             int64_t const least = bvxi_ceil_div(-e, -dz * step);
             if (least > *first) *first = least;
-        } else if (e < 0) {
-            *last = *first - 1;
-        }
+        } /* an edge along the slices bounds the box, which has left out what lies beyond it */
     }
 }
 
