@@ -6,6 +6,7 @@
 #define SURFACE_ORACLE_H
 
 #include "bitvox.h"
+#define BVXI_TABLES_WHOLE
 #include "surface/tables.h"
 #include "tools/mesh_maker.h"
 

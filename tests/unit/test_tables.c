@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "bitvox.h"
+#define BVXI_TABLES_WHOLE
 #include "surface/tables.h"
 #include "unity.h"
 
