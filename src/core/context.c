@@ -17,6 +17,13 @@ static int options_ok(const bvx_context_options *o)
     return o->cpu >= BVX_CPU_BEST && o->cpu <= BVX_CPU_AVX2;
 }
 
+/* Before 1.0 a minor version may change the interface. */
+static int same_interface(int32_t version)
+{
+    int32_t const step = BVX_VERSION_MAJOR == 0 ? 100 : 10000;
+    return version / step == BVX_VERSION / step;
+}
+
 static int32_t choose_threads(const bvx_context_options *o)
 {
     int32_t const offered = bvxi_openmp_threads();
@@ -55,7 +62,8 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     size_t given_size = 0;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     *context = NULL;
-    if (header_version / 10000 != BVX_VERSION_MAJOR) return BVX_ERR_VERSION;
+    if (!same_interface(header_version)) return BVX_ERR_VERSION;
+    if (bvx_arithmetic_fault() != NULL) return BVX_ERR_UNSUPPORTED;
     if (options != NULL) {
         memcpy(&given_size, options, sizeof given_size);
         if (given_size < sizeof given_size || given_size > 65536) return BVX_ERR_ARGUMENT;

@@ -1,6 +1,8 @@
 /* test_context.c - status texts, creation, options of older and newer callers, resizing, messages. */
 #include "fault/context.h"
 
+#include <fenv.h>
+
 /* ---- Status ---- */
 
 static void test_status_text_of_every_number(void **state)
@@ -59,17 +61,38 @@ static void test_create_with_every_allocation_failing(void **state)
     assert_null(fault_end(&heap));
 }
 
-static void test_create_refuses_another_major_version(void **state)
+/* Before 1.0 a minor version may change the interface. */
+static void test_create_refuses_another_interface(void **state)
 {
     bvx_context *ctx = NULL;
     (void)state;
     assert_int_equal(bvx_version(), BVX_VERSION);
-    for (int32_t major = 0; major < 5; major++) {
-        int32_t const version = major * 10000 + 9999;
-        bvx_status const status = bvx_context_create_version(version, NULL, &ctx);
-        assert_int_equal(status, major == BVX_VERSION_MAJOR ? BVX_OK : BVX_ERR_VERSION);
-        assert_int_equal(ctx != NULL, major == BVX_VERSION_MAJOR);
-        bvx_context_destroy(ctx);
+    for (int32_t major = 0; major < 3; major++)
+        for (int32_t minor = 0; minor < 100; minor++) {
+            int const same = major == BVX_VERSION_MAJOR && (major != 0 || minor == BVX_VERSION_MINOR);
+            bvx_status const status = bvx_context_create_version(major * 10000 + minor * 100 + 99, NULL, &ctx);
+            assert_int_equal(status, same ? BVX_OK : BVX_ERR_VERSION);
+            assert_int_equal(ctx != NULL, same);
+            bvx_context_destroy(ctx);
+        }
+}
+
+static void test_create_refuses_other_rounding(void **state)
+{
+    static const int modes[] = {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
+    bvx_context *ctx = NULL;
+    (void)state;
+    assert_null(bvx_arithmetic_fault());
+    for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+        bvx_status status;
+        const char *fault;
+        if (fesetround(modes[i]) != 0) continue;
+        status = bvx_context_create(NULL, &ctx);
+        fault = bvx_arithmetic_fault();
+        fesetround(FE_TONEAREST);
+        assert_int_equal(status, BVX_ERR_UNSUPPORTED);
+        assert_null(ctx);
+        assert_non_null(strstr(fault, "nearest"));
     }
 }
 
@@ -308,7 +331,8 @@ int main(void)
         cmocka_unit_test(test_status_text_of_every_number),
         cmocka_unit_test(test_status_text_of_other_numbers),
         cmocka_unit_test(test_create_with_every_allocation_failing),
-        cmocka_unit_test(test_create_refuses_another_major_version),
+        cmocka_unit_test(test_create_refuses_another_interface),
+        cmocka_unit_test(test_create_refuses_other_rounding),
         cmocka_unit_test(test_create_refuses_bad_options),
         cmocka_unit_test(test_destroy_and_queries_take_null),
         cmocka_unit_test(test_create_keeps_to_the_portable_path),
