@@ -115,7 +115,8 @@ typedef struct bvx_context_options {
 BVX_API void bvx_context_options_init(bvx_context_options *options, size_t size);
 
 /** Create a context; call it through bvx_context_create, which passes the header's version.
- *  Returns BVX_ERR_VERSION when the majors differ, BVX_ERR_ARGUMENT, BVX_ERR_MEMORY. Cost: O(1). */
+ *  Returns BVX_ERR_VERSION when the majors differ (before 1.0: the minors), BVX_ERR_UNSUPPORTED (this build or thread has
+ *  arithmetic that would change results: bvx_arithmetic_fault says which), BVX_ERR_ARGUMENT, BVX_ERR_MEMORY. Cost: O(1). */
 BVX_API bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
                                               bvx_context **context);
 
@@ -123,6 +124,10 @@ static inline bvx_status bvx_context_create(const bvx_context_options *options, 
 {
     return bvx_context_create_version(BVX_VERSION, options, context);
 }
+
+/** Why bvx_context_create returns BVX_ERR_UNSUPPORTED: products contracted by the compiler, results wider than their type,
+ *  rounding that is not to nearest; NULL when all is well. */
+BVX_API const char *bvx_arithmetic_fault(void);
 
 /** Release a context. What it allocated for results stays valid until freed through another context with the same
  *  allocator; with an arena it ends with the arena. NULL is allowed. */
@@ -249,7 +254,8 @@ typedef struct bvx_mesh_view {
     uint32_t position_stride; /**< from vertex to vertex [Units: bytes] [Default: 0, packed] */
     uint32_t index_type;      /**< BVX_U16, BVX_U32 or BVX_U64; ignored without indices */
     uint32_t index_stride;    /**< from triangle to triangle [Units: bytes] [Default: 0, packed] */
-    uint64_t reserved[2];
+    const uint8_t *colours;   /**< red, green, blue, alpha of each vertex, packed; pictures alone look at them [Default: NULL] */
+    uint64_t reserved;
 } bvx_mesh_view;
 
 /** An indexed triangle mesh, counter-clockwise seen from outside. A zeroed struct is empty and ready to receive;
@@ -266,6 +272,11 @@ typedef struct bvx_mesh {
     double frame[3];            /**< add to positions to reach the world; zero unless a local frame was asked for */
     int32_t position_type;      /**< BVX_F32 or BVX_F64 */
     int32_t owned;              /**< 1 when bvx_mesh_free returns the arrays to the allocator */
+    uint8_t *colours;           /**< red, green, blue, alpha of each vertex, or NULL [Size: vertex_capacity * 4] */
+    float *uvs;                 /**< texture coordinates u, v, or NULL [Size: uv_count * 2] */
+    uint32_t *uv_triangles;     /**< three numbers into uvs a triangle [Size: triangle_capacity * 3]; NULL beside uvs:
+                                     each vertex has the uv of its own number, and uv_count is vertex_capacity */
+    uint64_t uv_count;
     uint64_t reserved[4];
 } bvx_mesh;
 
@@ -339,6 +350,84 @@ typedef struct bvx_distance_report {
  *  Cost: O((samples + triangles) log triangles). */
 BVX_API bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
                                      uint64_t samples, uint64_t seed, bvx_distance_report *report);
+
+/* ---- Nearest points and what lies there --------------------------------------------------------------------- */
+
+/** A mesh made ready for questions about its nearest point. Keeps what it needs: the view may go. */
+typedef struct bvx_closest bvx_closest;
+
+/** Where on a mesh a point's nearest point lies. */
+typedef struct bvx_closest_point {
+    double position[3]; /**< the nearest point [Units: world] */
+    double distance;    /**< [Units: world] */
+    double weight[3];   /**< barycentric coordinates of position in the triangle: not negative, their sum is 1 but for rounding */
+    uint32_t triangle;  /**< the least number among the triangles at that distance */
+    int32_t feature;    /**< 0: inside the triangle; 1, 2, 3: on the edge of corners 0-1, 1-2, 2-0; 4, 5, 6: corner 0, 1, 2 */
+} bvx_closest_point;
+
+/** Make a mesh ready. Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (index or coordinate, with
+ *  its number), BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: 72 bytes a triangle (f64: 108).
+ *  Cost: O(triangles log triangles). */
+BVX_API bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view *mesh, bvx_closest **closest);
+
+/** The nearest points of count points, x y z each [Units: world]. Distances are those of one stated evaluation in
+ *  doubles, so results depend on nothing but mesh and point. Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (a point that is
+ *  not finite, with its number), BVX_CANCELLED. Memory: none. Cost: O(log triangles) a point near the surface, more far off
+ *  (distance is infinity where it is beyond the largest double). */
+BVX_API bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
+                                    uint64_t count, bvx_closest_point *found);
+
+/** Return what bvx_closest_create allocated; NULL is allowed. */
+BVX_API void bvx_closest_free(bvx_context *context, bvx_closest *closest);
+
+/** Give the vertices of a mesh the colours and texture coordinates of the source's nearest points, by barycentric
+ *  weights in the source's triangle; colours are rounded to the nearest. What the source lacks is left alone; what the
+ *  target has is replaced. target's other arrays are not touched; it must be one that the library made (owned).
+ *  A vertex has one texture coordinate, so a target's triangle over a seam of the texture stretches across it.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ *  Memory: that of bvx_closest_create, and the new arrays. */
+BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target);
+
+/** Where a ray first meets a set voxel. */
+typedef struct bvx_ray_hit {
+    double t;           /**< position = origin + t * direction */
+    double position[3]; /**< [Units: world] */
+    int32_t voxel[3];   /**< of the grid's window, as bvx_grid_get takes it */
+    int32_t axis;       /**< of the face that is crossed: 0, 1, 2; -1 when the ray starts inside the voxel */
+    int32_t hit;        /**< 0: the ray meets none, and the other fields are zero */
+    int32_t reserved;
+} bvx_ray_hit;
+
+/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world]. Hits have 0 <= t <= t_max.
+ *  Boxes are closed: the hit is the least (t, z, y, x) among all voxels that the ray touches, by one stated evaluation in
+ *  doubles; a ray that starts on a face has t 0 and axis -1.
+ *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or no number), BVX_ERR_RANGE (a ray that is not finite,
+ *  with its number), BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: for many rays 1/512 of the grid.
+ *  Cost: O(voxels crossed), empty words and bricks of 8 x 8 x 8 passed at once. */
+BVX_API bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count,
+                                 double t_max, bvx_ray_hit *hits);
+
+/** Trilinear samples at count points, x y z each [Units: world]: 1 at the centres of set voxels, 0 at those of others and
+ *  beyond the window. gradients (three doubles a point, [Units: 1 / world]) may be NULL; on planes through centres they are
+ *  those of the upper side.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (a point that is not finite), BVX_CANCELLED. Memory: none. */
+BVX_API bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points, uint64_t count,
+                                   double *values, double *gradients);
+
+/** What two grids share and where they differ. Components are 6-connected. */
+typedef struct bvx_grid_difference {
+    uint64_t set_a, set_b, both;
+    uint64_t only_a, only_b;
+    uint64_t components_only_a, components_only_b; /**< pieces of what only one has */
+    uint64_t largest_only_a, largest_only_b;       /**< voxels of the largest piece */
+    int32_t low[3], size[3];                       /**< box of all voxels that differ, in the window; all zero when none does */
+    uint64_t reserved[4];
+} bvx_grid_difference;
+
+/** Compare two grids. Returns BVX_ERR_ARGUMENT, BVX_ERR_LATTICE (their lattices or windows differ, and in which field),
+ *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: 20 bytes a run of differing voxels. Cost: O(words + runs). */
+BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
+                                    bvx_grid_difference *difference);
 
 /* ---- Solid voxelization ------------------------------------------------------------------------------------ */
 
@@ -502,7 +591,8 @@ BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, c
 
 enum {
     BVX_FORMAT_UNKNOWN = 0, BVX_FORMAT_STL = 1, BVX_FORMAT_OBJ = 2, BVX_FORMAT_PLY = 3, BVX_FORMAT_NPY = 4,
-    BVX_FORMAT_PNG = 5
+    BVX_FORMAT_PNG = 5, BVX_FORMAT_OFF = 6, BVX_FORMAT_GLB = 7, BVX_FORMAT_BINVOX = 8, BVX_FORMAT_VOX = 9,
+    BVX_FORMAT_NRRD = 10, BVX_FORMAT_VTI = 11, BVX_FORMAT_BVX = 12
 };
 
 /** Bytes made by the library; freed by bvx_buffer_free. */
@@ -520,9 +610,14 @@ BVX_API int32_t bvx_format_of_name(const char *name);
 /**
  * Read a mesh from the bytes of a file.
  *
- * format  BVX_FORMAT_STL, _OBJ or _PLY. STL: ASCII and binary are told apart by content and size.
- * mesh    out, zeroed (arrays of the caller's are not used); positions f32 where the file says float (STL, PLY float), f64 otherwise; STL vertices are welded
- *         where their bits are equal. Polygons become fans of triangles.
+ * format  BVX_FORMAT_STL, _OBJ, _PLY or _OFF. STL: ASCII and binary are told apart by content and size.
+ * mesh    out, zeroed (arrays of the caller's are not used); positions f32 where the file says float (STL, PLY float),
+ *         f64 otherwise; STL vertices are welded where their bits are equal. Colours of vertices (OBJ behind the
+ *         coordinates, PLY red green blue alpha, COFF) and texture coordinates (OBJ vt, PLY s t or u v or texture_u
+ *         texture_v at vertices, else texcoord at faces, STOFF) come along when all vertices or faces have them.
+ *         PLY tristrips become triangles.
+ *         A polygon that is planar and simple, convex or not, is cut into triangles that neither overlap nor turn over;
+ *         convex ones are fans from their first corner. The cut depends on the polygon alone.
  *
  * Returns BVX_ERR_FORMAT (byte, line or element number, and why), BVX_ERR_RANGE (index or number out of range),
  * BVX_ERR_EMPTY (no triangle), BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
@@ -531,13 +626,67 @@ BVX_API int32_t bvx_format_of_name(const char *name);
 BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                  bvx_mesh *mesh);
 
-/** Write a mesh: STL and PLY binary little-endian, OBJ as text that reads back to the same numbers. The frame is
- *  added. file is zeroed. Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds),
- *  BVX_ERR_UNSUPPORTED, BVX_ERR_MEMORY, BVX_ERR_BUDGET. */
+/** Write a mesh. The frame is added. file is zeroed.
+ *  STL and PLY: binary, little-endian; OBJ and OFF: text that reads back to the same numbers. PLY, OBJ (without alpha) and
+ *  OFF keep colours, PLY and OBJ texture coordinates too; STL keeps neither. GLB (glTF 2.0, binary): f32 positions about the
+ *  bounds' centre, smooth normals weighted by area, colours as linear light, texture coordinates; world axes are kept, and
+ *  the nodes carry the centre and the turn from z up to glTF's y up; vertices are repeated where texture coordinates ask
+ *  for it.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds), BVX_ERR_UNSUPPORTED,
+ *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes a vertex,
+ *  and 84 a triangle while texture coordinates are split. */
 BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file);
 
-/** Write a grid: BVX_FORMAT_NPY, bool, axes [x,y,z] (Fortran order, so that x runs fastest in the file too). */
+/**
+ * Write a grid. The lattice's low corner (of the window) and spacing go where the format keeps them, by its own convention:
+ *
+ * BVX_FORMAT_NPY     bool, axes [x,y,z] (Fortran order: x runs fastest in the file too); no lattice: see bvx_write_lattice
+ * BVX_FORMAT_BINVOX  translate is the low corner, scale the longest side; cubic voxels only
+ * BVX_FORMAT_VOX     MagicaVoxel: at most 256 voxels a side; no lattice
+ * BVX_FORMAT_NRRD    uint8, raw, attached header; "space origin" is the centre of the first voxel
+ * BVX_FORMAT_VTI     VTK image, cell data uint8, raw appended; Origin is the low corner
+ * BVX_FORMAT_BVX     our own: lattice and window whole; each slice by itself, packed by runs, with a checksum
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (larger than the format holds), BVX_ERR_UNSUPPORTED (no grid format, or a lattice
+ * that it cannot tell), BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file; BINVOX: and 64 layers of x a worker.
+ * Cost: O(voxels) bytes written; BVX, BINVOX: O(words + runs).
+ */
 BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file);
+
+/**
+ * Read a grid from the bytes of a file.
+ *
+ * format  as for bvx_write_grid. Values other than 0 are set. NPY: bool or any whole-number or float type of either byte
+ *         order and either order of axes, three axes [x,y,z]. NRRD: encoding raw or ascii, any scalar type. VTI: raw, base64
+ *         or ascii without compression, cell or point data. Formats that keep no lattice give origin 0 and spacing 1.
+ *         Where a format keeps the centre of the first voxel, the lattice's origin is half a voxel below it.
+ * window  NULL: all of the file; else only these voxels, counted from the file's own first one
+ * grid    out; its lattice is the file's box (BVX: the lattice and the window that were written). Zeroed, or with words
+ *         of the caller's
+ *
+ * Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (window outside the file, dims beyond the limits),
+ * BVX_ERR_UNSUPPORTED (compressed data, more than one model, axes that are turned), BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY,
+ * BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the grid; BINVOX: and 64 layers of x a worker; VTI in base64: and the
+ * decoded samples. Packed formats can stand for far more than their bytes: give a context from strangers' files a
+ * memory limit. Cost: O(bytes + words).
+ */
+BVX_API bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                 const bvx_window *window, bvx_grid *grid);
+
+/** The side-car of a format without a lattice: origin, spacing, dims, fraction_bits, window and center0 as JSON.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY, BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET. */
+BVX_API bvx_status bvx_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buffer *file);
+
+/** Put a grid on the lattice and window of a side-car. Returns BVX_ERR_FORMAT, BVX_ERR_LATTICE (its window has other
+ *  sides than the grid), BVX_ERR_ARGUMENT; the grid is then as before. */
+BVX_API bvx_status bvx_read_lattice(bvx_context *context, const void *bytes, uint64_t size, bvx_grid *grid);
+
+/** Write a .bvx file slice by slice: the head for a window of a lattice (NULL: all of it), then all its slices in order,
+ *  any number in each part (a grid of the same lattice whose window covers x and y whole and goes on in z where the last one
+ *  ended). Head and parts one behind the other are the bytes that bvx_write_grid makes. */
+BVX_API bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
+                                  bvx_buffer *file);
+BVX_API bvx_status bvx_write_slices(bvx_context *context, const bvx_grid *part, bvx_buffer *file);
 
 /** Pixels, top row first, red green blue. */
 typedef struct bvx_image {
@@ -556,19 +705,35 @@ typedef struct bvx_render_options {
     uint8_t background[4];  /**< [Default: 255, 255, 255] */
     int32_t smooth;         /**< 1: normals averaged at vertices, 0: of each facet [Default: 0] */
     int32_t samples;        /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
+    int32_t wireframe;      /**< 1: the edges of triangles (grids: of voxels) drawn over the surface [Default: 0] */
+    int32_t reserved;
+    double cut_low[3];      /**< what lies below along an axis is taken away [Units: world] [Default: -infinity] */
+    double cut_high[3];     /**< what lies above is taken away; grids are cut to whole voxels [Default: infinity] */
 } bvx_render_options;
 
 BVX_API void bvx_render_options_init(bvx_render_options *options, size_t size);
 
 /** A shaded picture of a mesh that fills the frame: orthographic, one light near the eye, ambient light from the
- *  depths around. Deterministic bytes. Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ *  depths around. Colours of the view's vertices replace options.colour. Triangles seen from behind are reddish.
+ *  A cut opens the mesh: its back faces show. The frame fits what is left. Deterministic bytes. Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
  *  Cost: O(pixels * samples^2 + triangles). */
 BVX_API bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_render_options *options,
                                    bvx_image *image);
 
-/** The same for a grid: its exposed voxel faces. */
+/** The same for a grid: its exposed voxel faces. A cut shows the voxels inside, flat and a little darker. */
 BVX_API bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx_render_options *options,
                                    bvx_image *image);
+
+/** Two grids of one lattice and window in one picture: voxels of both in options.colour, of before alone (removed) red,
+ *  of after alone (added) green. Returns BVX_ERR_LATTICE too. */
+BVX_API bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *before, const bvx_grid *after,
+                                         const bvx_render_options *options, bvx_image *image);
+
+/** A sheet of count slices across an axis (0, 1, 2), evenly spread from the lowest voxel to the highest, in reading order:
+ *  set voxels in options.colour, on background, thin lines between; up the sheet is y (axis 2) or z, and the voxels' shape
+ *  is that of the spacing. options.direction, up, smooth, wireframe are not looked at. [Limit: count 1..1024] */
+BVX_API bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,
+                                     const bvx_render_options *options, bvx_image *image);
 
 /** Write a PNG with stored blocks: its bytes depend on the pixels alone. */
 BVX_API bvx_status bvx_write_png(bvx_context *context, const bvx_image *image, bvx_buffer *file);

@@ -20,6 +20,7 @@ typedef struct bvxi_source {
 bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh);
+bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh);
 
 /* Start a pass over the bytes that is the part [from, to] of the work. */
 void bvxi_source_pass(bvxi_source *source, double from, double to);
@@ -30,6 +31,15 @@ static inline bvx_status bvxi_source_at(bvxi_source *source, const char *at)
 {
     return BVXI_LIKELY(at < source->ask) ? BVX_OK : bvxi_source_ask(source, at);
 }
+
+/* Pieces of a file may be read at the same time. Each has a source of its own without context: there a failure is a status
+ * alone, and the piece that failed first is read again with the context, for its message. */
+#define BVXI_SOURCE_FAIL(source, status, ...) \
+    ((source)->ctx == NULL ? (status) : bvxi_fail((source)->ctx, (status), __VA_ARGS__))
+
+/* Run count tasks, each for about BVXI_PIECE_BYTES of the file, as the part [from, to] of the work. */
+enum { BVXI_PIECE_BYTES = 1 << 19 };
+bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvx_task_fn *task, void *user);
 
 /* "STL: line 7: expected ..., found '...'": what stands at a place of a text file. */
 BVXI_COLD bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const char *expected);
@@ -43,6 +53,19 @@ static inline uint64_t bvxi_source_byte(const bvxi_source *source, const void *a
 /* The arrays of a mesh that is read, in exact sizes. */
 bvx_status bvxi_make_positions(bvx_context *ctx, bvx_mesh *mesh, int32_t type, uint64_t count);
 bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);
+/* Behind positions and triangles: colours of the vertices, texture coordinates, and numbers of these for the triangles. */
+bvx_status bvxi_make_colours(bvx_context *ctx, bvx_mesh *mesh);
+bvx_status bvxi_make_uvs(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);
+bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh);
+void bvxi_drop_colours(bvx_context *ctx, bvx_mesh *mesh);
+void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh);
+
+/* A share of 1 as a byte, to the nearest; what is beyond 0 and 1 is taken back to them. */
+static inline uint8_t bvxi_colour_byte(double share)
+{
+    double const bytes = share > 0.0 ? share < 1.0 ? share * 255.0 + 0.5 : 255.0 : 0.0;
+    return (uint8_t)bytes;
+}
 
 /* ---- text ---- */
 
@@ -69,17 +92,41 @@ static inline const char *bvxi_skip_word(const char *p, const char *end)
     return p;
 }
 
+/* A whole number at *p with an optional sign; very large ones stay very large. 0 when there is none. */
+static inline int bvxi_take_integer(const char **p, const char *end, int64_t *value)
+{
+    const char *t = *p;
+    int const negative = t < end && *t == '-';
+    int64_t v = 0;
+    unsigned d;
+    t += negative || (t < end && *t == '+');
+    const char *const digits = t, *const safe = end - t > 18 ? t + 18 : end; /* 18 digits always fit */
+    for (; t < safe && (d = (unsigned)(unsigned char)*t - '0') <= 9; t++) v = v * 10 + (int64_t)d;
+    if (t == digits) return 0;
+    if (BVXI_UNLIKELY(t == safe))
+        for (; t < end && (d = (unsigned)(unsigned char)*t - '0') <= 9; t++)
+            if (v < INT64_C(100000000000000000)) v = v * 10 + (int64_t)d;
+    *value = negative ? -v : v;
+    *p = t;
+    return 1;
+}
+
 /* A byte order mark is no part of the text. */
 static inline const char *bvxi_skip_mark(const char *p, const char *end)
 {
     return end - p >= 3 && memcmp(p, "\xef\xbb\xbf", 3) == 0 ? p + 3 : p;
 }
 
-/* ---- writers: arguments are checked, positions with frame are finite, indices are in range ---- */
+/* ---- writers: arguments are checked, positions with frame and uvs are finite, indices are in range ---- */
 
 bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
 bvx_status bvxi_write_obj(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
 bvx_status bvxi_write_ply(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
+bvx_status bvxi_write_off(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
+bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
+
+/* The least double that rounds to an infinite float: (2 - 2^-24) * 2^127. */
+#define BVXI_FLOAT_LIMIT 3.4028235677973366e38
 
 /* A buffer of exactly size bytes. */
 bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, bvx_buffer *file);
@@ -88,6 +135,12 @@ bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, b
 static inline int bvxi_writes_f32(const bvx_mesh *mesh)
 {
     return mesh->position_type == BVX_F32 && mesh->frame[0] == 0.0 && mesh->frame[1] == 0.0 && mesh->frame[2] == 0.0;
+}
+
+/* Texture coordinates that a mesh really has: uv_count follows the capacity where they go with vertices. */
+static inline uint64_t bvxi_written_uvs(const bvx_mesh *mesh)
+{
+    return mesh->uvs == NULL ? 0 : mesh->uv_triangles != NULL ? mesh->uv_count : mesh->vertex_count;
 }
 
 /* A vertex in the world: with the frame. */

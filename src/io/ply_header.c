@@ -108,23 +108,46 @@ static bvx_status ply_take_element(const bvxi_source *s, ply_line *line, ply_hea
         else if (e->count < UINT64_MAX / 16) e->count = e->count * 10 + (uint64_t)(word[i] - '0');
     }
     if (n == 0) return bvxi_fail_expected(s, word, "a count of rows");
+    ply_element **const places[] = {NULL, &h->vertex, &h->face, &h->strips};
     e->kind = ply_is(e->name, e->name_size, "vertex") ? PLY_VERTEX : ply_is(e->name, e->name_size, "face") ? PLY_FACE
-              : PLY_OTHER;
-    if ((e->kind == PLY_VERTEX && h->vertex != NULL) || (e->kind == PLY_FACE && h->face != NULL))
-        return ply_fail_line(s, word, "a second element of this name");
-    if (e->kind == PLY_VERTEX) h->vertex = e;
-    if (e->kind == PLY_FACE) h->face = e;
+              : ply_is(e->name, e->name_size, "tristrips") ? PLY_STRIPS : PLY_OTHER;
+    if (e->kind != PLY_OTHER) {
+        if (*places[e->kind] != NULL) return ply_fail_line(s, word, "a second element of this name");
+        *places[e->kind] = e;
+    }
     e->first = e->end = h->property_count;
     h->element_count++;
     return ply_expect_end(s, line);
 }
 
-static int32_t ply_role_of(const ply_element *e, int is_list, const char *name, size_t n)
+/* What a property is for, by the names that programs give it. */
+static void ply_find_role(const ply_element *e, int is_list, const char *word, size_t n, ply_property *property)
 {
-    if (e->kind == PLY_VERTEX && n == 1 && *name >= 'x' && *name <= 'z') return PLY_ROLE_X + (*name - 'x');
-    if (e->kind == PLY_FACE && is_list && (ply_is(name, n, "vertex_indices") || ply_is(name, n, "vertex_index")))
-        return PLY_ROLE_CORNERS;
-    return PLY_ROLE_NONE;
+    static const struct {
+        const char *name;
+        int8_t kind, is_list, role, set;
+    } known[] = {
+        {"x", PLY_VERTEX, 0, PLY_ROLE_X, 0}, {"y", PLY_VERTEX, 0, PLY_ROLE_Y, 0}, {"z", PLY_VERTEX, 0, PLY_ROLE_Z, 0},
+        {"red", PLY_VERTEX, 0, PLY_ROLE_RED, 0}, {"green", PLY_VERTEX, 0, PLY_ROLE_GREEN, 0},
+        {"blue", PLY_VERTEX, 0, PLY_ROLE_BLUE, 0}, {"alpha", PLY_VERTEX, 0, PLY_ROLE_ALPHA, 0},
+        {"diffuse_red", PLY_VERTEX, 0, PLY_ROLE_RED, 1}, {"diffuse_green", PLY_VERTEX, 0, PLY_ROLE_GREEN, 1},
+        {"diffuse_blue", PLY_VERTEX, 0, PLY_ROLE_BLUE, 1}, {"diffuse_alpha", PLY_VERTEX, 0, PLY_ROLE_ALPHA, 1},
+        {"r", PLY_VERTEX, 0, PLY_ROLE_RED, 2}, {"g", PLY_VERTEX, 0, PLY_ROLE_GREEN, 2},
+        {"b", PLY_VERTEX, 0, PLY_ROLE_BLUE, 2}, {"a", PLY_VERTEX, 0, PLY_ROLE_ALPHA, 2},
+        {"s", PLY_VERTEX, 0, PLY_ROLE_U, 0}, {"t", PLY_VERTEX, 0, PLY_ROLE_V, 0}, {"u", PLY_VERTEX, 0, PLY_ROLE_U, 1},
+        {"v", PLY_VERTEX, 0, PLY_ROLE_V, 1}, {"texture_u", PLY_VERTEX, 0, PLY_ROLE_U, 2},
+        {"texture_v", PLY_VERTEX, 0, PLY_ROLE_V, 2}, {"texture_s", PLY_VERTEX, 0, PLY_ROLE_U, 3},
+        {"texture_t", PLY_VERTEX, 0, PLY_ROLE_V, 3}, {"vertex_indices", PLY_FACE, 1, PLY_ROLE_CORNERS, 0},
+        {"vertex_index", PLY_FACE, 1, PLY_ROLE_CORNERS, 0}, {"texcoord", PLY_FACE, 1, PLY_ROLE_UVS, 0},
+        {"vertex_indices", PLY_STRIPS, 1, PLY_ROLE_STRIP, 0}, {"vertex_index", PLY_STRIPS, 1, PLY_ROLE_STRIP, 0},
+    };
+    property->role = PLY_ROLE_NONE;
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (known[i].kind == e->kind && ply_is(word, n, known[i].name) &&
+            (known[i].is_list == is_list || known[i].role <= PLY_ROLE_Z)) { /* coordinates in lists are refused */
+            property->role = known[i].role;
+            property->set = known[i].set;
+        }
 }
 
 static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_header *h)
@@ -143,14 +166,13 @@ static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_he
     BVXI_TRY(ply_take_type(s, line, 0, &property->type));
     n = ply_word(line, &word);
     if (n == 0) return bvxi_fail_expected(s, word, "a property's name");
-    property->role = (int8_t)ply_role_of(e, is_list, word, n);
+    ply_find_role(e, is_list, word, n, property);
     if (property->role != PLY_ROLE_NONE) {
         for (uint32_t i = e->first; i < e->end; i++)
-            if (h->properties[i].role == property->role)
+            if (h->properties[i].role == property->role && h->properties[i].set == property->set)
                 return ply_fail_line(s, word, "a second property of this meaning");
-        if (property->role != PLY_ROLE_CORNERS && is_list)
-            return ply_fail_line(s, word, "a coordinate cannot be a list");
-        if (property->role == PLY_ROLE_CORNERS && property->type >= PLY_F32)
+        if (property->role <= PLY_ROLE_Z && is_list) return ply_fail_line(s, word, "a coordinate cannot be a list");
+        if ((property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP) && property->type >= PLY_F32)
             return ply_fail_line(s, word, "vertex numbers must be integers");
     }
     h->property_count++;
@@ -203,28 +225,65 @@ static bvx_status ply_check_sizes(const bvxi_source *s, ply_header *h)
     return BVX_OK;
 }
 
+static int ply_has_role(const ply_header *h, const ply_element *e, int32_t role)
+{
+    for (uint32_t i = e->first; i < e->end; i++)
+        if (h->properties[i].role == role) return 1;
+    return 0;
+}
+
+/* Of the properties with the roles first to last keep those of the first set that has all roles up to needed. */
+static int32_t ply_keep_set(ply_header *h, int32_t first, int32_t needed, int32_t last)
+{
+    uint32_t const all = (2u << needed) - (1u << first);
+    uint32_t roles[4] = {0, 0, 0, 0};
+    int32_t set = 0;
+    for (uint32_t i = h->vertex->first; i < h->vertex->end; i++)
+        if (h->properties[i].role >= 0) roles[h->properties[i].set] |= 1u << h->properties[i].role;
+    while (set < 4 && (roles[set] & all) != all) set++;
+    for (uint32_t i = h->vertex->first; i < h->vertex->end; i++) {
+        ply_property *const p = &h->properties[i];
+        if (p->role >= first && p->role <= last && p->set != set) p->role = PLY_ROLE_NONE;
+    }
+    return set < 4;
+}
+
+/* What is there beside positions and triangles. */
+static void ply_find_attributes(ply_header *h)
+{
+    h->colours = ply_keep_set(h, PLY_ROLE_RED, PLY_ROLE_BLUE, PLY_ROLE_ALPHA);
+    h->alpha = ply_has_role(h, h->vertex, PLY_ROLE_ALPHA);
+    h->uvs = ply_keep_set(h, PLY_ROLE_U, PLY_ROLE_V, PLY_ROLE_V);
+    if (h->uvs == 0 && h->strips == NULL && h->face != NULL && ply_has_role(h, h->face, PLY_ROLE_UVS)) h->uvs = 2;
+    if (h->uvs == 2) return;
+    for (uint32_t i = 0; i < h->property_count; i++)
+        if (h->properties[i].role == PLY_ROLE_UVS) h->properties[i].role = PLY_ROLE_NONE;
+}
+
 static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
 {
     static const char *const names[] = {"x", "y", "z"};
-    int floats = 0, roles = 0, corners = 0;
-    if (h->face == NULL || h->face->count == 0)
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the header names no faces");
+    int const has_faces = h->face != NULL && h->face->count > 0, has_strips = h->strips != NULL && h->strips->count > 0;
+    int floats = 0;
+    if (!has_faces && !has_strips) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the header names no faces");
     if (h->vertex == NULL) return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: the header names no element vertex");
-    for (uint32_t i = h->vertex->first; i < h->vertex->end; i++)
-        if (h->properties[i].role != PLY_ROLE_NONE) {
-            roles |= 1 << h->properties[i].role;
-            floats += h->properties[i].type == PLY_F32;
-        }
-    for (int a = 0; a < 3; a++)
-        if ((roles >> a & 1) == 0)
+    for (int32_t a = 0; a < 3; a++)
+        if (!ply_has_role(h, h->vertex, a))
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: element vertex has no property %s",
                              bvxi_source_line(s, h->vertex->name), names[a]);
-    for (uint32_t i = h->face->first; i < h->face->end; i++) corners |= h->properties[i].role == PLY_ROLE_CORNERS;
-    if (!corners)
+    for (uint32_t i = h->vertex->first; i < h->vertex->end; i++)
+        floats += h->properties[i].role >= PLY_ROLE_X && h->properties[i].role <= PLY_ROLE_Z &&
+                  h->properties[i].type == PLY_F32;
+    if (has_faces && !ply_has_role(h, h->face, PLY_ROLE_CORNERS))
         return ply_fail_line(s, h->face->name, "element face has no list vertex_indices or vertex_index");
+    if (has_strips && !ply_has_role(h, h->strips, PLY_ROLE_STRIP))
+        return ply_fail_line(s, h->strips->name, "element tristrips has no list vertex_indices or vertex_index");
     if (h->vertex->count > UINT32_MAX)
         return bvxi_fail(s->ctx, BVX_ERR_RANGE, "PLY: %u vertices, the limit is below 2^32", h->vertex->count);
     h->position_type = floats == 3 ? BVX_F32 : BVX_F64;
+    if (!has_faces) h->face = NULL;
+    if (!has_strips) h->strips = NULL;
+    ply_find_attributes(h);
     return BVX_OK;
 }
 

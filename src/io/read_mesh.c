@@ -1,7 +1,7 @@
 /* read_mesh.c - a mesh from the bytes of a file: the checks around the readers, and what they share. */
 #include "io/formats.h"
 
-enum { SOURCE_ASK_BYTES = 1 << 20, SOURCE_WORD_SHOWN = 24 };
+enum { SOURCE_ASK_BYTES = 1 << 20, SOURCE_WORD_SHOWN = 24, SOURCE_GROUP = 64 };
 
 void bvxi_source_pass(bvxi_source *source, double from, double to)
 {
@@ -20,6 +20,32 @@ bvx_status bvxi_source_ask(bvxi_source *source, const char *at)
     return bvxi_progress(source->ctx, "read", source->reached);
 }
 
+typedef struct source_group {
+    bvx_task_fn *task;
+    void *user;
+    int32_t first;
+} source_group;
+
+static void source_run_piece(void *user, int32_t index, int32_t worker)
+{
+    const source_group *const g = user;
+    g->task(g->user, g->first + index, worker);
+}
+
+/* A few pieces at a time, so that a large file asks for progress as often as a small one. */
+bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvx_task_fn *task, void *user)
+{
+    double const share = (to - from) / (double)count;
+    for (int32_t i = 0; i < count; i += SOURCE_GROUP) {
+        int32_t const n = count - i < SOURCE_GROUP ? count - i : SOURCE_GROUP;
+        source_group g = {task, user, 0};
+        g.first = i;
+        source->reached = i + n == count ? to : from + share * (double)(i + n);
+        BVXI_TRY(bvxi_parallel(source->ctx, "read", from + share * (double)i, source->reached, n, source_run_piece, &g));
+    }
+    return BVX_OK;
+}
+
 uint64_t bvxi_source_line(const bvxi_source *source, const char *at)
 {
     uint64_t n = 1;
@@ -34,6 +60,7 @@ bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const c
     const char *const stop = bvxi_skip_word(at, source->end);
     size_t const n = (size_t)(stop - at);
     size_t const shown = n < SOURCE_WORD_SHOWN ? n : SOURCE_WORD_SHOWN;
+    if (source->ctx == NULL) return BVX_ERR_FORMAT;
     if (at == source->end)
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the file ends where %s was expected",
                          source->format, bvxi_source_line(source, at), expected);
@@ -66,21 +93,59 @@ bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count)
     return BVX_OK;
 }
 
+bvx_status bvxi_make_colours(bvx_context *ctx, bvx_mesh *mesh)
+{
+    return bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_capacity * 4, "the colours of the file", &mesh->colours);
+}
+
+bvx_status bvxi_make_uvs(bvx_context *ctx, bvx_mesh *mesh, uint64_t count)
+{
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * 8, "the texture coordinates of the file", &mesh->uvs));
+    mesh->uv_count = count;
+    return BVX_OK;
+}
+
+bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh)
+{
+    return bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_capacity * 12, "the texture numbers of the file",
+                      &mesh->uv_triangles);
+}
+
+void bvxi_drop_colours(bvx_context *ctx, bvx_mesh *mesh)
+{
+    bvxi_free(ctx, mesh->colours, mesh->vertex_capacity * 4);
+    mesh->colours = NULL;
+}
+
+void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh)
+{
+    bvxi_free(ctx, mesh->uv_triangles, mesh->triangle_capacity * 12);
+    bvxi_free(ctx, mesh->uvs, mesh->uv_count * 8);
+    mesh->uv_triangles = NULL;
+    mesh->uvs = NULL;
+    mesh->uv_count = 0;
+}
+
 static int read_mesh_is_empty(const bvx_mesh *m)
 {
-    return m->positions == NULL && m->triangles == NULL && m->vertex_keys == NULL && m->triangle_keys == NULL;
+    return m->positions == NULL && m->triangles == NULL && m->vertex_keys == NULL && m->triangle_keys == NULL &&
+           m->colours == NULL && m->uvs == NULL && m->uv_triangles == NULL;
 }
 
 static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *mesh)
 {
-    source->format = format == BVX_FORMAT_STL ? "STL" : format == BVX_FORMAT_OBJ ? "OBJ" : "PLY";
+    source->format = format == BVX_FORMAT_STL   ? "STL"
+                     : format == BVX_FORMAT_OBJ ? "OBJ"
+                     : format == BVX_FORMAT_PLY ? "PLY"
+                                                : "OFF";
     if (source->begin == source->end)
         return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
     bvxi_source_pass(source, 0, 1);
     switch (format) {
     case BVX_FORMAT_STL: return bvxi_read_stl(source, mesh);
     case BVX_FORMAT_OBJ: return bvxi_read_obj(source, mesh);
-    default: return bvxi_read_ply(source, mesh);
+    case BVX_FORMAT_PLY: return bvxi_read_ply(source, mesh);
+    default: return bvxi_read_off(source, mesh);
     }
 }
 
@@ -95,9 +160,9 @@ bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size,
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function, size);
-    if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: format %d holds no mesh; take STL, OBJ or PLY", function,
-                         (int64_t)format);
+    if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY && format != BVX_FORMAT_OFF)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: format %d holds no mesh that is read; take STL, OBJ, PLY or OFF",
+                         function, (int64_t)format);
     if (!read_mesh_is_empty(mesh))
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh holds arrays already; free or zero it first", function);
     source.ctx = context;

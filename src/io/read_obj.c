@@ -1,236 +1,326 @@
-/* read_obj.c - Wavefront OBJ to an indexed mesh: vertices and polygonal faces.
+/* read_obj.c - Wavefront OBJ to an indexed mesh: vertices, colours, texture coordinates and polygonal faces.
  *
- * Two passes: the first counts vertices and triangles, so that the arrays are made once in their exact size; the second
- * fills them. A face may name vertices that stand behind it; negative numbers count back from the last vertex before
- * it. Texture and normal numbers must be numbers but are not looked up. What follows three coordinates (a weight,
- * colours) is left out, like every statement but v and f: nothing that a file names (mtllib, call, csh) is opened.
- * A backslash before a line's end continues v and f. In other lines it is ignored, as comments and file names end in
- * backslashes too, and what follows is no v or f.
- * Memory: the mesh alone. Cost: O(bytes). */
-#include "io/formats.h"
-
-/* The file, and what stands between lines: newline, or carriage return in files that have no newline. */
-typedef struct obj_file {
-    bvxi_source *source;
-    char line_end;
-    uint64_t vertex_total, vertex_count, triangle_total, triangle_count; /* counted first, then found so far */
-    double *positions;
-    uint32_t *triangles;
-} obj_file;
-
-/* Bytes of a continued line's end at p, 0 when there is none. */
-static size_t obj_continued(const obj_file *f, const char *p)
-{
-    const char *const end = f->source->end;
-    if (*p != '\\') return 0;
-    if (p + 1 == end) return 1;
-    if (p[1] == f->line_end) return 2;
-    return end - p >= 3 && p[1] == '\r' && p[2] == f->line_end ? 3 : 0;
-}
-
-static int obj_is_blank(const obj_file *f, char c)
-{
-    return bvxi_is_blank(c) && c != f->line_end;
-}
-
-/* The next word of a statement, or its end. */
-static const char *obj_skip_blank(const obj_file *f, const char *p)
-{
-    const char *const end = f->source->end;
-    while (p < end) {
-        size_t n;
-        if (BVXI_LIKELY((unsigned char)*p > ' ' && *p != '\\')) break;
-        if (obj_is_blank(f, *p)) p++;
-        else if ((n = obj_continued(f, p)) != 0) p += n;
-        else break;
-    }
-    return p;
-}
-
-static int obj_statement_ends(const obj_file *f, const char *p)
-{
-    return p == f->source->end || *p == f->line_end || *p == '#';
-}
-
-/* 1 behind a word. Characters above a space are inside it, but for a backslash perhaps. */
-static inline int obj_word_ends(const obj_file *f, const char *p)
-{
-    if (p == f->source->end) return 1;
-    if (BVXI_LIKELY((unsigned char)*p > ' ' && *p != '\\')) return 0;
-    return *p == f->line_end || bvxi_is_blank(*p) || obj_continued(f, p) != 0;
-}
-
-static const char *obj_next_line(const obj_file *f, const char *p)
-{
-    const char *const end = f->source->end;
-    const char *const at = bvxi_find_byte(p, end, f->line_end);
-    return at == end ? end : at + 1;
-}
-
-/* The statement at p: 'v' or 'f', or 0 for any other. */
-static char obj_keyword(const obj_file *f, const char *p)
-{
-    if (f->source->end - p < 2 || (*p != 'v' && *p != 'f')) return 0;
-    return obj_is_blank(f, p[1]) || obj_continued(f, p + 1) != 0 ? *p : 0;
-}
-
-/* ---- first pass ---- */
-
-static const char *obj_count_corners(const obj_file *f, const char *p, uint64_t *corners)
-{
-    *corners = 0;
-    for (p = obj_skip_blank(f, p); !obj_statement_ends(f, p); p = obj_skip_blank(f, p)) {
-        while (!obj_word_ends(f, p)) p++;
-        ++*corners;
-    }
-    return p;
-}
-
-static bvx_status obj_count(obj_file *f)
-{
-    bvxi_source *const s = f->source;
-    for (const char *p = bvxi_skip_mark(s->begin, s->end); p < s->end; p = obj_next_line(f, p)) {
-        BVXI_TRY(bvxi_source_at(s, p));
-        p = obj_skip_blank(f, p);
-        if (p == s->end) break;
-        switch (obj_keyword(f, p)) {
-        case 'v': f->vertex_total++; break;
-        case 'f': {
-            uint64_t corners;
-            p = obj_count_corners(f, p + 1, &corners);
-            f->triangle_total += corners < 3 ? 0 : corners - 2; /* fewer are refused later, with their line */
-            break;
-        }
-        default: break;
-        }
-    }
-    return BVX_OK;
-}
+ * The file is cut into pieces of whole lines, by its size alone. A first pass counts what each piece holds, so that the
+ * arrays are made once in their exact size and each piece knows its place in them; the second fills them. So pieces may
+ * be read at the same time, and a face may name vertices that stand behind it; negative numbers count back from the last
+ * vertex before it. Polygons are cut into triangles at the end, when all vertices are known.
+ * Behind three coordinates stand nothing, a weight, three colours, or a weight and three colours. Texture coordinates are
+ * looked up when the first corner of the file has one, and dropped when another has none. Normals must be numbers but are
+ * not looked up. Every statement but v, vt and f is left out: nothing that a file names (mtllib, call, csh) is opened.
+ * A backslash before a line's end continues v, vt and f. In other lines it is ignored, as comments and file names end in
+ * backslashes too, and what follows is no v, vt or f.
+ * Memory: the mesh, 12 bytes a coloured vertex, 8 bytes a polygon. Cost: O(bytes). */
+#include "io/obj_text.h"
 
 /* ---- second pass ---- */
 
-static bvx_status obj_take_vertex(obj_file *f, const char **p)
+/* Where reading of a piece stands; source has no context when pieces are read at the same time. */
+typedef struct obj_reader {
+    const obj_file *file;
+    obj_piece *piece;
+    bvxi_source source;
+    uint64_t vertices, uvs, triangles, polygons; /* found so far, with those of the pieces before */
+} obj_reader;
+
+/* Numbers that stand at *p, most of them at most. */
+static int obj_take_numbers(const obj_file *f, const char **p, int most, double *out)
 {
-    const bvxi_source *const s = f->source;
-    double *const out = f->positions + (size_t)f->vertex_count * 3;
-    for (int a = 0; a < 3; a++) {
+    int n = 0;
+    for (; n < most; n++) {
         const char *const at = obj_skip_blank(f, *p);
-        size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, s->end, &out[a]);
+        size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, f->end, &out[n]);
+        if (used == 0 || !obj_word_ends(f, at + used)) break;
         *p = at + used;
-        if (used == 0 || !obj_word_ends(f, *p)) return bvxi_fail_expected(s, at, "a coordinate");
+    }
+    return n;
+}
+
+/* The colour behind the coordinates: the last three of three or four numbers. */
+static bvx_status obj_take_colour(obj_reader *r, const char *p)
+{
+    const obj_file *const f = r->file;
+    const char *const at = p;
+    double number[5];
+    int const n = obj_take_numbers(f, &p, 5, number);
+    float *const out = f->colours + (size_t)r->vertices * 3;
+    if ((n != 3 && n != 4) || !obj_statement_ends(f, obj_skip_blank(f, p))) {
+        r->piece->pale = 1;
+        return BVX_OK;
+    }
+    for (int c = 0; c < 3; c++) {
+        double const v = number[n - 3 + c];
+        if (!(v - v == 0.0))
+            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE, "OBJ: line %u: vertex %u has a colour that is not finite",
+                                    bvxi_source_line(&r->source, at), r->vertices + 1);
+        out[c] = v < 0.0 ? 0.0f : v < 255.0 ? (float)v : 255.0f;
+    }
+    return BVX_OK;
+}
+
+static bvx_status obj_take_vertex(obj_reader *r, const char *p)
+{
+    const obj_file *const f = r->file;
+    double *const out = (double *)f->mesh->positions + (size_t)r->vertices * 3;
+    for (int a = 0; a < 3; a++) {
+        const char *const at = obj_skip_blank(f, p);
+        size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, f->end, &out[a]);
+        p = at + used;
+        if (used == 0 || !obj_word_ends(f, p)) return bvxi_fail_expected(&r->source, at, "a coordinate");
         if (!(out[a] - out[a] == 0.0))
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "OBJ: line %u: vertex %u has a coordinate that is not finite",
-                             bvxi_source_line(s, at), f->vertex_count + 1);
+            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE, "OBJ: line %u: vertex %u has a coordinate that is not finite",
+                                    bvxi_source_line(&r->source, at), r->vertices + 1);
     }
-    f->vertex_count++;
+    if (f->colours != NULL) BVXI_TRY(obj_take_colour(r, p));
+    r->vertices++;
     return BVX_OK;
 }
 
-/* A whole number at *p with an optional sign; very large ones stay very large. 0 when there is none. */
-static int obj_take_integer(const char **p, const char *end, int64_t *value)
+/* u, v and what follows; v is 0 where it is missing. */
+static bvx_status obj_take_uv(obj_reader *r, const char *p)
 {
-    const char *t = *p;
-    int negative = 0;
-    int64_t v = 0;
-    if (t < end && (*t == '-' || *t == '+')) negative = *t++ == '-';
-    if (t == end || *t < '0' || *t > '9') return 0;
-    for (; t < end && *t >= '0' && *t <= '9'; t++)
-        if (v < INT64_C(100000000000000000)) v = v * 10 + (*t - '0');
-    *value = negative ? -v : v;
-    *p = t;
-    return 1;
+    const obj_file *const f = r->file;
+    if (f->mesh->uvs != NULL) {
+        float *const out = f->mesh->uvs + (size_t)r->uvs * 2;
+        const char *const at = obj_skip_blank(f, p);
+        double number[2] = {0, 0};
+        if (obj_take_numbers(f, &p, 2, number) == 0)
+            return bvxi_fail_expected(&r->source, at, "a texture coordinate");
+        out[0] = (float)number[0];
+        out[1] = (float)number[1];
+        if (!(out[0] - out[0] == 0.0f && out[1] - out[1] == 0.0f))
+            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE, "OBJ: line %u: texture coordinate %u is not a finite float",
+                                    bvxi_source_line(&r->source, at), r->uvs + 1);
+    }
+    r->uvs++;
+    return BVX_OK;
 }
 
-/* v, v/t, v//n or v/t/n; the numbers behind a slash may be missing. */
-static bvx_status obj_take_corner(const obj_file *f, const char **p, uint32_t *vertex)
+/* The index that a number stands for: counted from 1, or back from the last one before it. */
+static bvx_status obj_find_index(const obj_reader *r, const char *at, const char *what, int64_t number, uint64_t before,
+                                 uint64_t total, uint32_t *index)
 {
-    const bvxi_source *const s = f->source;
+    int64_t const i = number < 0 ? (int64_t)before + number : number - 1;
+    if (i < 0 || (uint64_t)i >= total)
+        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE, "OBJ: line %u: the face names %s %d; there are %u, %u of them "
+                                "before it", bvxi_source_line(&r->source, at), what, number, total, before);
+    *index = (uint32_t)i;
+    return BVX_OK;
+}
+
+/* v, v/t, v//n or v/t/n; the numbers behind a slash may be missing. index: of vertex and texture coordinate. */
+static bvx_status obj_take_corner(obj_reader *r, const char **p, uint32_t index[2])
+{
+    const obj_file *const f = r->file;
     const char *const at = *p;
-    int64_t number, other, index;
-    int good = obj_take_integer(p, s->end, &number);
-    for (int slash = 0; good && slash < 2 && *p < s->end && **p == '/'; slash++) {
+    int64_t number, other[2];
+    int have[2] = {0, 0};
+    int const good = bvxi_take_integer(p, f->end, &number);
+    for (int slash = 0; good && slash < 2 && *p < f->end && **p == '/'; slash++) {
         ++*p;
-        obj_take_integer(p, s->end, &other);
+        have[slash] = bvxi_take_integer(p, f->end, &other[slash]);
     }
-    if (!good || !obj_word_ends(f, *p)) return bvxi_fail_expected(s, at, "a face's corner (v, v/t, v//n or v/t/n)");
-    index = number < 0 ? (int64_t)f->vertex_count + number : number - 1;
-    if (index < 0 || (uint64_t)index >= f->vertex_total)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE,
-                         "OBJ: line %u: the face names vertex %d; there are %u, %u of them before it",
-                         bvxi_source_line(s, at), number, f->vertex_total, f->vertex_count);
-    *vertex = (uint32_t)index;
+    if (!good || !obj_word_ends(f, *p))
+        return bvxi_fail_expected(&r->source, at, "a face's corner (v, v/t, v//n or v/t/n)");
+    BVXI_TRY(obj_find_index(r, at, "vertex", number, r->vertices, f->vertices, &index[0]));
+    index[1] = index[0];
+    if (f->mesh->uvs == NULL) return BVX_OK;
+    if (have[0]) BVXI_TRY(obj_find_index(r, at, "texture coordinate", other[0], r->uvs, f->uvs, &index[1]));
+    else r->piece->bare = 1;
+    r->piece->differs |= index[0] != index[1];
     return BVX_OK;
 }
 
-static void obj_add_triangle(obj_file *f, uint32_t a, uint32_t b, uint32_t c)
+/* A triangle of the fan first, previous, this corner; for vertices (0) and texture coordinates (1). */
+static inline void obj_add_triangle(obj_reader *r, const uint32_t first[2], const uint32_t previous[2],
+                                    const uint32_t corner[2])
 {
-    uint32_t *const t = f->triangles + (size_t)f->triangle_count++ * 3;
-    t[0] = a;
-    t[1] = b;
-    t[2] = c;
+    bvx_mesh *const mesh = r->file->mesh;
+    for (int k = 0; k < (mesh->uv_triangles != NULL ? 2 : 1); k++) {
+        uint32_t *const t = (k == 0 ? mesh->triangles : mesh->uv_triangles) + (size_t)r->triangles * 3;
+        t[0] = first[k];
+        t[1] = previous[k];
+        t[2] = corner[k];
+    }
+    r->triangles++;
 }
 
-/* A face becomes a fan from its first corner. */
-static bvx_status obj_take_face(obj_file *f, const char **p)
+static bvx_status obj_take_face(obj_reader *r, const char **p)
 {
+    const obj_file *const f = r->file;
     const char *const at = *p;
-    uint32_t first = 0, previous = 0, vertex = 0;
+    uint64_t const triangle = r->triangles;
+    uint32_t first[2] = {0, 0}, previous[2] = {0, 0}, corner[2];
     uint64_t corners = 0;
     for (*p = obj_skip_blank(f, *p); !obj_statement_ends(f, *p); *p = obj_skip_blank(f, *p), corners++) {
-        BVXI_TRY(obj_take_corner(f, p, &vertex));
-        if (corners == 0) first = vertex;
-        if (corners >= 2) obj_add_triangle(f, first, previous, vertex);
-        previous = vertex;
+        BVXI_TRY(obj_take_corner(r, p, corner));
+        if (corners == 0) memcpy(first, corner, sizeof first);
+        if (corners >= 2) obj_add_triangle(r, first, previous, corner);
+        memcpy(previous, corner, sizeof previous);
     }
     if (corners < 3)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "OBJ: line %u: a face of %u corners; it needs three",
-                         bvxi_source_line(f->source, at), corners);
+        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_FORMAT, "OBJ: line %u: a face of %u corners; it needs three",
+                                bvxi_source_line(&r->source, at), corners);
+    if (corners > 3) {
+        bvxi_fan *const fan = &f->fans[r->polygons++];
+        fan->triangle = (uint32_t)triangle;
+        fan->corners = (uint32_t)corners;
+    }
     return BVX_OK;
+}
+
+/* Read a piece; a NULL context makes it silent. */
+static bvx_status obj_read_piece(const obj_file *f, int32_t index, bvx_context *ctx)
+{
+    obj_piece *const piece = &f->pieces[index];
+    obj_reader r = {0};
+    r.file = f;
+    r.piece = piece;
+    r.source = *f->source;
+    r.source.ctx = ctx;
+    r.vertices = piece->vertices;
+    r.uvs = piece->uvs;
+    r.triangles = piece->triangles;
+    r.polygons = piece->polygons;
+    for (const char *p = piece->begin; p < piece->end;) {
+        const char *next;
+        p = obj_skip_blank(f, p);
+        switch (p < f->end ? obj_take_keyword(f, &p) : OBJ_OTHER) {
+        case OBJ_VERTEX:
+            next = obj_next_statement(f, p);
+            BVXI_TRY(obj_take_vertex(&r, p));
+            p = next;
+            break;
+        case OBJ_TEXTURE:
+            next = obj_next_statement(f, p);
+            BVXI_TRY(obj_take_uv(&r, p));
+            p = next;
+            break;
+        case OBJ_FACE:
+            BVXI_TRY(obj_take_face(&r, &p));
+            p = obj_next_line(f, p);
+            break;
+        default: p = obj_next_line(f, p); break;
+        }
+    }
+    return BVX_OK;
+}
+
+static void obj_fill_piece(void *user, int32_t index, int32_t worker)
+{
+    const obj_file *const f = user;
+    (void)worker;
+    f->pieces[index].status = obj_read_piece(f, index, NULL);
 }
 
 static bvx_status obj_fill(obj_file *f)
 {
-    bvxi_source *const s = f->source;
-    for (const char *p = bvxi_skip_mark(s->begin, s->end); p < s->end; p = obj_next_line(f, p)) {
-        BVXI_TRY(bvxi_source_at(s, p));
+    BVXI_TRY(bvxi_source_pieces(f->source, 0.25, 1, f->piece_count, obj_fill_piece, f));
+    for (int32_t i = 0; i < f->piece_count; i++)
+        if (f->pieces[i].status != BVX_OK) BVXI_TRY(obj_read_piece(f, i, f->source->ctx)); /* again, for its message */
+    return BVX_OK;
+}
+
+/* ---- what is left to do ---- */
+
+/* Whether the first vertex has a colour, and the first face's first corner a texture coordinate. */
+static int obj_first_has_colour(obj_file *f)
+{
+    double number[3 + 5];
+    for (int32_t i = 0; i < f->piece_count; i++) {
+        const char *p = f->pieces[i].vertex;
+        if (p == NULL) continue;
+        int const n = obj_take_numbers(f, &p, 8, number);
+        return n == 6 || n == 7;
+    }
+    return 0;
+}
+
+static int obj_first_has_uv(const obj_file *f)
+{
+    int64_t number;
+    for (int32_t i = 0; i < f->piece_count && f->uvs > 0; i++) {
+        const char *p = f->pieces[i].face;
+        if (p == NULL) continue;
         p = obj_skip_blank(f, p);
-        if (p == s->end) break;
-        char const keyword = obj_keyword(f, p);
-        if (keyword == 0) continue;
-        p++;
-        BVXI_TRY(keyword == 'v' ? obj_take_vertex(f, &p) : obj_take_face(f, &p));
+        return bvxi_take_integer(&p, f->end, &number) && p < f->end && *p++ == '/' && bvxi_take_integer(&p, f->end, &number);
+    }
+    return 0;
+}
+
+static bvx_status obj_make_arrays(obj_file *f)
+{
+    bvx_context *const ctx = f->source->ctx;
+    BVXI_TRY(bvxi_make_positions(ctx, f->mesh, BVX_F64, f->vertices));
+    BVXI_TRY(bvxi_make_triangles(ctx, f->mesh, f->triangles));
+    if (obj_first_has_uv(f)) {
+        BVXI_TRY(bvxi_make_uvs(ctx, f->mesh, f->uvs));
+        BVXI_TRY(bvxi_make_uv_triangles(ctx, f->mesh));
+    }
+    if (obj_first_has_colour(f))
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->vertices * 12, "the colours of the file", &f->colours));
+    return bvxi_alloc(ctx, BVXI_SCRATCH, f->polygons * sizeof *f->fans, "the polygons of the file", &f->fans);
+}
+
+/* Bytes from shares of 1, or from shares of 255 when one is above 1. */
+static bvx_status obj_finish_colours(obj_file *f)
+{
+    bvx_mesh *const mesh = f->mesh;
+    double whole = 1;
+    for (int32_t i = 0; i < f->piece_count; i++)
+        if (f->pieces[i].pale) return BVX_OK;
+    BVXI_TRY(bvxi_make_colours(f->source->ctx, mesh));
+    for (uint64_t i = 0; i < f->vertices * 3; i++)
+        if (f->colours[i] > 1.0f) whole = 255;
+    for (size_t v = 0; v < (size_t)f->vertices; v++) {
+        for (size_t c = 0; c < 3; c++) mesh->colours[v * 4 + c] = bvxi_colour_byte((double)f->colours[v * 3 + c] / whole);
+        mesh->colours[v * 4 + 3] = 255;
     }
     return BVX_OK;
 }
 
-static bvx_status obj_check_counts(const obj_file *f)
+/* Texture coordinates stay when all corners have one; without numbers when these are the vertices'. */
+static void obj_finish_uvs(obj_file *f)
 {
     bvx_context *const ctx = f->source->ctx;
-    if (f->vertex_total > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "OBJ: the file has %u vertices, the limit is below 2^32", f->vertex_total);
-    if (f->triangle_total > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "OBJ: the file has %u triangles, the limit is below 2^31",
-                         f->triangle_total);
-    return BVX_OK;
+    int bare = 0, differs = f->uvs != f->vertices;
+    for (int32_t i = 0; i < f->piece_count; i++) {
+        bare |= f->pieces[i].bare;
+        differs |= f->pieces[i].differs;
+    }
+    if (bare) {
+        bvxi_drop_uvs(ctx, f->mesh);
+    } else if (!differs) {
+        bvxi_free(ctx, f->mesh->uv_triangles, f->mesh->triangle_capacity * 12);
+        f->mesh->uv_triangles = NULL;
+    }
+}
+
+static bvx_status obj_read(obj_file *f)
+{
+    BVXI_TRY(bvxi_obj_count(f));
+    BVXI_TRY(obj_make_arrays(f));
+    BVXI_TRY(obj_fill(f));
+    if (f->triangles == 0) return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "OBJ: the file has no face");
+    obj_finish_uvs(f);
+    if (f->colours != NULL) BVXI_TRY(obj_finish_colours(f));
+    return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygons);
 }
 
 bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
 {
+    bvx_context *const ctx = source->ctx;
     obj_file f = {0};
+    bvx_status status;
     f.source = source;
+    f.mesh = mesh;
+    f.end = source->end;
     f.line_end = bvxi_find_byte(source->begin, source->end, '\n') == source->end &&
                          bvxi_find_byte(source->begin, source->end, '\r') != source->end
                      ? '\r'
                      : '\n';
-    bvxi_source_pass(source, 0, 0.25);
-    BVXI_TRY(obj_count(&f));
-    BVXI_TRY(obj_check_counts(&f));
-    BVXI_TRY(bvxi_make_positions(source->ctx, mesh, BVX_F64, f.vertex_total));
-    BVXI_TRY(bvxi_make_triangles(source->ctx, mesh, f.triangle_total));
-    f.positions = mesh->positions;
-    f.triangles = mesh->triangles;
-    bvxi_source_pass(source, 0.25, 1);
-    BVXI_TRY(obj_fill(&f));
-    if (f.triangle_count == 0) return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "OBJ: the file has no face");
-    return BVX_OK;
+    status = obj_read(&f);
+    bvxi_free(ctx, f.fans, f.polygons * sizeof *f.fans);
+    bvxi_free(ctx, f.colours, f.vertices * 12);
+    bvxi_free(ctx, f.pieces, (uint64_t)f.piece_count * sizeof *f.pieces);
+    return status;
 }

@@ -1,55 +1,96 @@
-/* write_ply.c - a mesh to binary little-endian PLY: floats, or doubles where the mesh has doubles or a frame. */
+/* write_ply.c - a mesh to binary little-endian PLY: floats, or doubles where the mesh has doubles or a frame.
+ *
+ * Colours are the properties red green blue alpha of vertices, texture coordinates s t of vertices, or the list texcoord of
+ * faces (two numbers a corner) where the corners have their own. */
+#include "io/file_parts.h"
 #include "io/formats.h"
 
-enum { PLY_WRITTEN_FACE = 13 }; /* the number 3 and three corners */
+enum { PLY_WRITTEN_FACE = 13, PLY_WRITTEN_TEXCOORD = 25 }; /* how many there are and the numbers: three, six */
 
-static void ply_put_header(const bvx_mesh *mesh, int f32, bvxi_output *out)
+static void ply_put_property(const char *type, const char *const *names, int count, bvxi_output *out)
 {
-    static const char *const axes[3] = {" x\n", " y\n", " z\n"};
+    for (int i = 0; i < count; i++) {
+        bvxi_output_text(out, "property ");
+        bvxi_output_text(out, type);
+        bvxi_output_text(out, " ");
+        bvxi_output_text(out, names[i]);
+        bvxi_output_text(out, "\n");
+    }
+}
+
+static void ply_put_header(const bvx_mesh *mesh, bvxi_output *out)
+{
+    static const char *const axes[] = {"x", "y", "z"}, *const colours[] = {"red", "green", "blue", "alpha"};
+    static const char *const uvs[] = {"s", "t"}, *const corners[] = {"vertex_indices"}, *const texcoord[] = {"texcoord"};
     bvxi_output_text(out, "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex ");
     bvxi_output_number(out, mesh->vertex_count);
     bvxi_output_text(out, "\n");
-    for (int a = 0; a < 3; a++) {
-        bvxi_output_text(out, f32 ? "property float" : "property double");
-        bvxi_output_text(out, axes[a]);
-    }
+    ply_put_property(bvxi_writes_f32(mesh) ? "float" : "double", axes, 3, out);
+    if (mesh->colours != NULL) ply_put_property("uchar", colours, 4, out);
+    if (mesh->uvs != NULL && mesh->uv_triangles == NULL) ply_put_property("float", uvs, 2, out);
     bvxi_output_text(out, "element face ");
     bvxi_output_number(out, mesh->triangle_count);
-    bvxi_output_text(out, mesh->vertex_count > INT32_MAX ? "\nproperty list uchar uint vertex_indices\nend_header\n"
-                                                         : "\nproperty list uchar int vertex_indices\nend_header\n");
+    bvxi_output_text(out, "\n");
+    ply_put_property(mesh->vertex_count > INT32_MAX ? "list uchar uint" : "list uchar int", corners, 1, out);
+    if (mesh->uv_triangles != NULL) ply_put_property("list uchar float", texcoord, 1, out);
+    bvxi_output_text(out, "end_header\n");
 }
 
-static uint8_t *ply_put_vertices(const bvx_mesh *mesh, int f32, uint8_t *p)
+static uint8_t *ply_put_vertices(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
+    const bvx_mesh *const mesh = user;
+    int const f32 = bvxi_writes_f32(mesh), uvs = mesh->uvs != NULL && mesh->uv_triangles == NULL;
     double world[3];
-    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+    for (uint64_t v = begin; v < end; v++) {
         bvxi_world_position(mesh, v, world);
-        for (int a = 0; a < 3; a++, p += f32 ? 4 : 8) {
-            if (f32) bvxi_store_f32(p, (float)world[a]);
-            else bvxi_store_f64(p, world[a]);
+        for (int a = 0; a < 3; a++, at += f32 ? 4 : 8) {
+            if (f32) bvxi_store_f32(at, (float)world[a]);
+            else bvxi_store_f64(at, world[a]);
+        }
+        if (mesh->colours != NULL) {
+            memcpy(at, mesh->colours + (size_t)v * 4, 4);
+            at += 4;
+        }
+        if (uvs) {
+            bvxi_store_f32(at, mesh->uvs[(size_t)v * 2]);
+            bvxi_store_f32(at + 4, mesh->uvs[(size_t)v * 2 + 1]);
+            at += 8;
         }
     }
-    return p;
+    return at;
 }
 
-static void ply_put_faces(const bvx_mesh *mesh, uint8_t *p)
+static uint8_t *ply_put_faces(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
-    for (uint64_t t = 0; t < mesh->triangle_count; t++, p += PLY_WRITTEN_FACE) {
-        p[0] = 3;
-        for (size_t k = 0; k < 3; k++) bvxi_store_u32(p + 1 + 4 * k, mesh->triangles[(size_t)t * 3 + k]);
+    const bvx_mesh *const mesh = user;
+    for (uint64_t t = begin; t < end; t++) {
+        *at++ = 3;
+        for (size_t k = 0; k < 3; k++, at += 4) bvxi_store_u32(at, mesh->triangles[(size_t)t * 3 + k]);
+        if (mesh->uv_triangles == NULL) continue;
+        *at++ = 6;
+        for (size_t k = 0; k < 3; k++, at += 8) {
+            const float *const uv = mesh->uvs + (size_t)mesh->uv_triangles[(size_t)t * 3 + k] * 2;
+            bvxi_store_f32(at, uv[0]);
+            bvxi_store_f32(at + 4, uv[1]);
+        }
     }
+    return at;
 }
 
 bvx_status bvxi_write_ply(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file)
 {
-    int const f32 = bvxi_writes_f32(mesh);
-    uint64_t const body = mesh->vertex_count * (f32 ? 12 : 24) + mesh->triangle_count * PLY_WRITTEN_FACE;
-    bvxi_output out = {0};
-    ply_put_header(mesh, f32, &out);
-    BVXI_TRY(bvxi_make_buffer(ctx, out.size + body, "the PLY file", file));
-    out.bytes = file->bytes;
-    out.size = 0;
-    ply_put_header(mesh, f32, &out);
-    ply_put_faces(mesh, ply_put_vertices(mesh, f32, file->bytes + out.size));
+    bvxi_file_part part[2] = {{0, 0, ply_put_vertices}, {0, 0, ply_put_faces}};
+    bvxi_output head = {0};
+    ply_put_header(mesh, &head);
+    part[0].count = mesh->vertex_count;
+    part[0].most = bvxi_writes_f32(mesh) ? 12 : 24;
+    if (mesh->colours != NULL) part[0].most += 4;
+    if (mesh->uvs != NULL && mesh->uv_triangles == NULL) part[0].most += 8;
+    part[1].count = mesh->triangle_count;
+    part[1].most = PLY_WRITTEN_FACE + (mesh->uv_triangles != NULL ? PLY_WRITTEN_TEXCOORD : 0);
+    BVXI_TRY(bvxi_make_file(ctx, "the PLY file", 0.0, head.size, part, 2, mesh, file));
+    head.bytes = file->bytes;
+    head.size = 0;
+    ply_put_header(mesh, &head);
     return BVX_OK;
 }

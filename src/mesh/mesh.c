@@ -18,6 +18,8 @@ static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t po
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys are asked for and the mesh given has no arrays for them", function);
     if (!keys && (mesh->vertex_keys != NULL || mesh->triangle_keys != NULL)) /* they would hold another surface's */
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the mesh brings arrays for keys; ask for keys or leave them NULL", function);
+    if (mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL) /* and these too */
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the mesh brings colours or texture coordinates; leave them NULL", function);
     if (mesh->vertex_capacity < vertex_count || mesh->triangle_capacity < triangle_count)
         return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the surface has %u vertices and %u triangles, the arrays hold %u and %u",
                          function, vertex_count, triangle_count, mesh->vertex_capacity, mesh->triangle_capacity);
@@ -63,6 +65,9 @@ void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh)
 {
     if (context == NULL || mesh == NULL) return;
     if (mesh->owned) { /* in the reverse order of their making, which an arena likes */
+        bvxi_free(context, mesh->uv_triangles, mesh->triangle_capacity * 12);
+        bvxi_free(context, mesh->uvs, mesh->uv_count * 8);
+        bvxi_free(context, mesh->colours, mesh->vertex_capacity * 4);
         bvxi_free(context, mesh->triangle_keys, mesh->triangle_capacity * 8);
         bvxi_free(context, mesh->vertex_keys, mesh->vertex_capacity * 8);
         bvxi_free(context, mesh->triangles, mesh->triangle_capacity * 12);
@@ -82,6 +87,7 @@ void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view)
     view->triangle_count = mesh->triangle_count;
     view->position_type = mesh->position_type == BVX_F64 ? BVX_F64 : BVX_F32; /* an empty struct is a valid view */
     view->index_type = BVX_U32;
+    view->colours = mesh->colours;
 }
 
 static bvx_status check_mesh_struct(bvx_context *ctx, const char *function, const bvx_mesh *mesh)

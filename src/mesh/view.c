@@ -76,9 +76,7 @@ static bvx_status check_view_indices(bvx_context *ctx, const char *function, con
 bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mesh_view *view)
 {
     if (view == NULL) return bvxi_fail_null(ctx, function, "mesh");
-    for (uint64_t i = 0; i < 2; i++)
-        if (view->reserved[i] != 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.reserved[%u] is not zero", function, i);
+    if (view->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.reserved is not zero", function);
     BVXI_TRY(check_view_positions(ctx, function, view));
     return check_view_indices(ctx, function, view);
 }

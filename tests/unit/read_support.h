@@ -4,6 +4,7 @@
 #define TEST_READ_SUPPORT_H
 
 #include "bitvox.h"
+#include "mesh/polygon.h"
 
 #include "unity.h"
 
@@ -30,6 +31,22 @@ void tearDown(void)
     TEST_ASSERT_EQUAL_UINT64(0, used);
 }
 
+/* Numbers of texture coordinates in range, all of them finite. Returns the bytes of colours and texture coordinates. */
+static inline uint64_t check_valid_attributes(const bvx_mesh *m)
+{
+    uint64_t bytes = m->colours != NULL ? m->vertex_count * 4 : 0;
+    if (m->uvs == NULL) {
+        TEST_ASSERT_NULL(m->uv_triangles);
+        TEST_ASSERT_EQUAL_UINT64(0, m->uv_count);
+        return bytes;
+    }
+    for (uint64_t i = 0; i < m->uv_count * 2; i++) TEST_ASSERT_TRUE(m->uvs[i] - m->uvs[i] == 0.0f);
+    if (m->uv_triangles == NULL) TEST_ASSERT_EQUAL_UINT64(m->vertex_capacity, m->uv_count);
+    else
+        for (uint64_t i = 0; i < m->triangle_count * 3; i++) TEST_ASSERT_TRUE(m->uv_triangles[i] < m->uv_count);
+    return bytes + m->uv_count * 8 + (m->uv_triangles != NULL ? m->triangle_count * 12 : 0);
+}
+
 /* Indices in range, coordinates finite, arrays of exact size. */
 static inline void check_valid_mesh(const bvx_mesh *m)
 {
@@ -43,9 +60,14 @@ static inline void check_valid_mesh(const bvx_mesh *m)
         double const v = m->position_type == BVX_F32 ? (double)((float *)m->positions)[i] : ((double *)m->positions)[i];
         TEST_ASSERT_TRUE(v - v == 0.0);
     }
-    TEST_ASSERT_EQUAL_UINT64(m->vertex_count * (m->position_type == BVX_F32 ? 12 : 24) + m->triangle_count * 12,
-                             bvx_memory_used(ctx));
+    TEST_ASSERT_EQUAL_UINT64(m->vertex_count * (m->position_type == BVX_F32 ? 12 : 24) + m->triangle_count * 12 +
+                                 check_valid_attributes(m), bvx_memory_used(ctx));
 }
+
+/* Whatever a file says, reading it takes a multiple of its size, and tables to begin with. At worst a polygon has corners of one
+ * byte each: 12 bytes of triangles come of each, and to cut it takes some 100. The tests of each reader hold the usual
+ * files to less. */
+enum { MOST_MULTIPLE = 120, MOST_TABLES = 1 << 16 };
 
 /* Read from a block that ends where the file ends, so that a sanitizer sees a read beyond it. */
 static inline bvx_status read_file(const void *bytes, size_t size, int32_t format, bvx_mesh *mesh)
@@ -54,8 +76,10 @@ static inline bvx_status read_file(const void *bytes, size_t size, int32_t forma
     char *const copy = malloc(size > 0 ? size : 1);
     memset(mesh, 0, sizeof *mesh);
     memcpy(copy, bytes, size);
+    bvx_memory_reset_peak(ctx);
     bvx_status const status = bvx_read_mesh(ctx, copy, size, format, mesh);
     free(copy);
+    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= MOST_MULTIPLE * (uint64_t)size + MOST_TABLES);
     if (status == BVX_OK) {
         check_valid_mesh(mesh);
     } else {
@@ -95,6 +119,45 @@ static inline int check_every_prefix(const void *bytes, size_t size, int32_t for
     return good;
 }
 
+/* Every line "element name count" of a header with every bad count in its place: an error, or a valid mesh where the count is
+ * right after all (0 rows of something that nobody wants). Returns how many were read. */
+static inline int check_every_count(const void *bytes, size_t size, int32_t format)
+{
+    static const char *const counts[] = {"0", "1", "-1", "2147483648", "4294967295", "9223372036854775808",
+                                         "18446744073709551615", "18446744073709551617"};
+    const char *const text = bytes;
+    char *const other = malloc(size + 30);
+    int good = 0;
+    for (size_t at = 0; at + 8 < size; at++) {
+        if (memcmp(text + at, "element ", 8) != 0) continue;
+        size_t from = at + 8, to;
+        while (text[from++] != ' ') continue;
+        for (to = from; text[to] != '\n'; to++) continue;
+        for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+            size_t const n = strlen(counts[i]);
+            bvx_mesh m;
+            memcpy(other, text, from);
+            memcpy(other + from, counts[i], n);
+            memcpy(other + from + n, text + to, size - to);
+            if (read_file(other, size - (to - from) + n, format, &m) != BVX_OK) continue;
+            if (memcmp(text + to + 1, "property", 8) == 0) TEST_ASSERT_TRUE(i < 2); /* rows without values have any count */
+            bvx_mesh_free(ctx, &m);
+            good++;
+        }
+    }
+    free(other);
+    return good;
+}
+
+/* What the library makes of a polygon; its own tests say whether that is right. */
+static inline void cut_polygon(const double (*corner)[3], uint64_t count, uint32_t *triangles)
+{
+    bvxi_polygon work = {0};
+    work.ctx = ctx;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_polygon_cut(&work, corner, count, triangles));
+    bvxi_polygon_free(&work);
+}
+
 /* Corner k of triangle t. */
 static inline void corner_of(const bvx_mesh *m, uint64_t t, int k, double p[3])
 {
@@ -121,6 +184,39 @@ static inline void put_f32(uint8_t *p, float v, int big)
     uint32_t bits;
     memcpy(&bits, &v, sizeof bits);
     put_u32(p, bits, big);
+}
+
+/* The same file with several workers: the same mesh to the byte, or the same message. */
+static inline void check_same_with_threads(const void *bytes, size_t size, int32_t format)
+{
+    bvx_context *const plain = ctx;
+    char message[512];
+    bvx_mesh a, b;
+    bvx_status const status = read_file(bytes, size, format, &a);
+    strcpy(message, bvx_last_message(ctx));
+    for (int32_t threads = 2; threads <= 5; threads += 3) {
+        bvx_context_options o;
+        bvx_context_options_init(&o, sizeof o);
+        o.threads = threads;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+        TEST_ASSERT_EQUAL_INT32(status, read_file(bytes, size, format, &b));
+        if (status == BVX_OK) {
+            TEST_ASSERT_EQUAL_UINT64(a.vertex_count, b.vertex_count);
+            TEST_ASSERT_EQUAL_UINT64(a.triangle_count, b.triangle_count);
+            TEST_ASSERT_EQUAL_UINT64(a.uv_count, b.uv_count);
+            TEST_ASSERT_EQUAL_MEMORY(a.positions, b.positions, a.vertex_count * (a.position_type == BVX_F32 ? 12 : 24));
+            TEST_ASSERT_EQUAL_MEMORY(a.triangles, b.triangles, a.triangle_count * 12);
+            TEST_ASSERT_TRUE((a.colours == NULL) == (b.colours == NULL) &&
+                             (a.uv_triangles == NULL) == (b.uv_triangles == NULL));
+            if (a.colours != NULL) TEST_ASSERT_EQUAL_MEMORY(a.colours, b.colours, a.vertex_count * 4);
+            if (a.uvs != NULL) TEST_ASSERT_EQUAL_MEMORY(a.uvs, b.uvs, a.uv_count * 8);
+            if (a.uv_triangles != NULL) TEST_ASSERT_EQUAL_MEMORY(a.uv_triangles, b.uv_triangles, a.triangle_count * 12);
+        } else TEST_ASSERT_EQUAL_STRING(message, bvx_last_message(ctx));
+        bvx_mesh_free(ctx, &b);
+        bvx_context_destroy(ctx);
+        ctx = plain;
+    }
+    if (status == BVX_OK) bvx_mesh_free(ctx, &a);
 }
 
 /* A progress callback that stops at its user's count-th call. */

@@ -6,17 +6,15 @@
 
 static void check_npy(int nx, int ny, int nz, uint64_t seed)
 {
-    int const words_per_row = (nx + 63) / 64;
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    int32_t const dims[3] = {nx, ny, nz};
     uint64_t state = seed;
-    bvx_grid g;
+    bvx_lattice lattice;
+    bvx_grid g = {0};
     bvx_buffer b = {0};
     char dict[100];
-    memset(&g, 0, sizeof g);
-    g.words = calloc((size_t)(words_per_row * ny * nz), sizeof *g.words);
-    g.size[0] = nx;
-    g.size[1] = ny;
-    g.size[2] = nz;
-    g.words_per_row = words_per_row;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &g));
     for (int z = 0; z < nz; z++)
         for (int y = 0; y < ny; y++)
             for (int x = 0; x < nx; x++) bvx_grid_set(&g, x, y, z, next_random(&state) % 3 == 0);
@@ -34,7 +32,7 @@ static void check_npy(int nx, int ny, int nz, uint64_t seed)
         for (int y = 0; y < ny; y++)
             for (int x = 0; x < nx; x++) TEST_ASSERT_EQUAL_UINT8(bvx_grid_get(&g, x, y, z), *p++);
     bvx_buffer_free(ctx, &b);
-    free(g.words);
+    bvx_grid_free(ctx, &g);
 }
 
 static void test_write_npy(void)
@@ -47,33 +45,62 @@ static void test_write_npy(void)
     }
 }
 
-static void test_write_npy_refuses(void)
+static void test_write_grid_refuses(void)
 {
+    static const int32_t formats[] = {BVX_FORMAT_NPY, BVX_FORMAT_BINVOX, BVX_FORMAT_VOX, BVX_FORMAT_NRRD, BVX_FORMAT_VTI, BVX_FORMAT_BVX};
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    static const int32_t dims[3] = {1, 1, 1};
     uint64_t word = 1;
-    bvx_grid g;
-    bvx_buffer b = {0};
-    memset(&g, 0, sizeof g);
-    g.words = &word;
-    g.size[0] = g.size[1] = g.size[2] = g.words_per_row = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_write_grid(ctx, &g, BVX_FORMAT_STL, &b));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, NULL, BVX_FORMAT_NPY, &b));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, BVX_FORMAT_NPY, NULL));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(NULL, &g, BVX_FORMAT_NPY, &b));
-    g.words_per_row = 2;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, BVX_FORMAT_NPY, &b));
-    g.words_per_row = 1;
-    g.size[2] = 0;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, BVX_FORMAT_NPY, &b));
-    g.size[0] = g.size[1] = g.size[2] = 1 << 20; /* 2^60 bytes */
-    g.words_per_row = 1 << 14;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_BUDGET, bvx_write_grid(ctx, &g, BVX_FORMAT_NPY, &b));
-    g.size[0] = g.size[1] = g.size[2] = INT32_MAX;
-    g.words_per_row = 1 << 25;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_grid(ctx, &g, BVX_FORMAT_NPY, &b));
-    g.size[0] = g.size[1] = g.size[2] = g.words_per_row = 1;
-    g.words = NULL;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, BVX_FORMAT_NPY, &b));
-    TEST_ASSERT_NULL(b.bytes);
+    uint8_t byte;
+    bvx_grid good = {0}, g;
+    bvx_buffer b = {0}, full = {&byte, 1, 1};
+    good.words = &word;
+    good.word_capacity = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &good.lattice));
+    good.size[0] = good.size[1] = good.size[2] = good.words_per_row = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_write_grid(ctx, &good, BVX_FORMAT_STL, &b));
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+        g = good;
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, NULL, formats[i], &b));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, formats[i], NULL));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, formats[i], &full));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(NULL, &g, formats[i], &b));
+        g.words_per_row = 2;
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, formats[i], &b));
+        g = good;
+        g.size[2] = 0;
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_grid(ctx, &g, formats[i], &b));
+        g = good;
+        g.lattice.spacing[1] = 0;
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, formats[i], &b));
+        g = good;
+        g.word_capacity = 0;
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_write_grid(ctx, &g, formats[i], &b));
+        g.words = NULL;
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, formats[i], &b));
+        TEST_ASSERT_NULL(b.bytes);
+    }
+}
+
+/* The size is found before a byte is written: words that are said to be there are not looked at. */
+static void test_write_grid_too_large(void)
+{
+    static const int32_t formats[] = {BVX_FORMAT_NPY, BVX_FORMAT_NRRD, BVX_FORMAT_VTI};
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    uint64_t word = 1;
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
+        for (int32_t bits = 20; bits <= 25; bits += 5) { /* 2^60 bytes, 2^75 */
+            int32_t const dims[3] = {1 << bits, 1 << bits, 1 << bits};
+            bvx_grid g = {0};
+            bvx_buffer b = {0};
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &g.lattice));
+            g.words = &word;
+            g.word_capacity = UINT64_MAX;
+            memcpy(g.size, dims, sizeof g.size);
+            g.words_per_row = 1 << (bits - 6);
+            TEST_ASSERT_EQUAL_INT32(bits == 20 ? BVX_ERR_BUDGET : BVX_ERR_RANGE, bvx_write_grid(ctx, &g, formats[i], &b));
+            TEST_ASSERT_NULL(b.bytes);
+        }
 }
 
 /* ---- PNG ---- */
@@ -224,7 +251,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_write_npy);
-    RUN_TEST(test_write_npy_refuses);
+    RUN_TEST(test_write_grid_refuses);
+    RUN_TEST(test_write_grid_too_large);
     RUN_TEST(test_write_png);
     RUN_TEST(test_write_png_bytes);
     RUN_TEST(test_write_png_refuses);

@@ -186,6 +186,24 @@ static void test_read_stl_refuses_counts(void)
     bvx_mesh_free(ctx, &m);
 }
 
+/* Every byte of small files replaced: no crash, no leak, a valid mesh or an error. */
+static void test_read_stl_every_byte_changed(void)
+{
+    static const uint8_t values[] = {0, 1, 0x7f, 0x80, 0xff, '\n', ' ', '9', '-'};
+    for (int is_text = 0; is_text < 2; is_text++) {
+        size_t const size = is_text ? strlen(text_two) : put_binary("two", 2, two);
+        if (is_text) memcpy(file, text_two, size);
+        for (size_t i = 0; i < size; i++)
+            for (size_t k = 0; k < sizeof values; k++) {
+                bvx_mesh m;
+                uint8_t const old = file[i];
+                file[i] = values[k];
+                if (read_file(file, size, STL, &m) == BVX_OK) bvx_mesh_free(ctx, &m);
+                file[i] = old;
+            }
+    }
+}
+
 static void test_read_stl_refuses_numbers(void)
 {
     static const uint32_t bad[] = {0x7f800000u, 0xff800000u, 0x7fc00000u, 0x7f800001u, 0xffffffffu};
@@ -259,20 +277,23 @@ static void test_read_mesh_arguments(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, NULL, 1, STL, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, STL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", UINT64_MAX, STL, &m));
-    for (int32_t format = -1; format < 8; format++)
-        if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY)
+    for (int32_t format = -1; format < 14; format++)
+        if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY && format != BVX_FORMAT_OFF)
             TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, format, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &m)); /* not empty */
     check_two(&m);
     bvx_mesh_free(ctx, &m);
-    for (int i = 0; i < 4; i++) { /* one array is enough */
+    for (int i = 0; i < 7; i++) { /* one array is enough */
         bvx_mesh one = {0};
         uint64_t array[3] = {0};
         if (i == 0) one.positions = array;
         if (i == 1) one.triangles = (uint32_t *)array;
         if (i == 2) one.vertex_keys = array;
         if (i == 3) one.triangle_keys = array;
+        if (i == 4) one.colours = (uint8_t *)array;
+        if (i == 5) one.uvs = (float *)array;
+        if (i == 6) one.uv_triangles = (uint32_t *)array;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &one));
     }
 }
@@ -300,6 +321,7 @@ int main(void)
     RUN_TEST(test_read_stl_welds_many);
     RUN_TEST(test_read_stl_all_vertices_different);
     RUN_TEST(test_read_stl_refuses_counts);
+    RUN_TEST(test_read_stl_every_byte_changed);
     RUN_TEST(test_read_stl_refuses_numbers);
     RUN_TEST(test_read_stl_refuses_text);
     RUN_TEST(test_read_stl_every_prefix);

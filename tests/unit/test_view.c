@@ -295,8 +295,7 @@ static void test_check_names_the_field_that_is_wrong(void)
     v = good, v.index_stride = 11, expect_refusal(&v, BVX_ERR_ARGUMENT, "index_stride");
     v = good, v.index_type = BVX_U16, v.index_stride = 5, expect_refusal(&v, BVX_ERR_ARGUMENT, "index_stride");
     v = good, v.index_type = BVX_U64, v.index_stride = 23, expect_refusal(&v, BVX_ERR_ARGUMENT, "index_stride");
-    v = good, v.reserved[0] = 1, expect_refusal(&v, BVX_ERR_ARGUMENT, "reserved[0]");
-    v = good, v.reserved[1] = 1, expect_refusal(&v, BVX_ERR_ARGUMENT, "reserved[1]");
+    v = good, v.reserved = 1, expect_refusal(&v, BVX_ERR_ARGUMENT, "reserved");
     v = good, v.indices = NULL, v.triangle_count = 11, expect_refusal(&v, BVX_ERR_RANGE, "indices is NULL");
 }
 

@@ -1,64 +1,14 @@
 /* test_write_mesh.c - meshes written and read back. */
 #include "comma_locale.h"
-#include "read_support.h"
+#include "write_support.h"
 
 #include <math.h>
-
-enum { VERTICES = 300, TRIANGLES = 500 };
-
-static float xyz32[VERTICES * 3];
-static double xyz64[VERTICES * 3];
-static uint32_t triangles[TRIANGLES * 3];
-
-/* A mesh over the arrays above, of random bits: every exponent, denormals, -0; double: scaled into floats' range too. */
-static bvx_mesh random_mesh(int32_t type, uint64_t seed)
-{
-    bvx_mesh m = {0};
-    uint64_t state = seed;
-    for (int i = 0; i < VERTICES * 3; i++) {
-        uint64_t const r = next_random(&state);
-        uint32_t const bits = (uint32_t)r;
-        memcpy(&xyz32[i], &bits, sizeof bits);
-        if (!(xyz32[i] - xyz32[i] == 0.0f)) xyz32[i] = -0.0f;
-        memcpy(&xyz64[i], &r, sizeof r);
-        if (!(xyz64[i] - xyz64[i] == 0.0)) xyz64[i] = -0.0;
-    }
-    for (int i = 0; i < TRIANGLES * 3; i++) triangles[i] = (uint32_t)(next_random(&state) % VERTICES);
-    m.positions = type == BVX_F32 ? (void *)xyz32 : (void *)xyz64;
-    m.triangles = triangles;
-    m.vertex_count = m.vertex_capacity = VERTICES;
-    m.triangle_count = m.triangle_capacity = TRIANGLES;
-    m.position_type = type;
-    return m;
-}
-
-static bvx_buffer write_file(const bvx_mesh *m, int32_t format)
-{
-    bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, m, format, &b), bvx_last_message(ctx));
-    TEST_ASSERT_EQUAL_UINT64(b.size, b.capacity);
-    return b;
-}
-
-/* Write, free the buffer, read what was written. */
-static bvx_mesh write_and_read(const bvx_mesh *m, int32_t format)
-{
-    bvx_mesh back;
-    bvx_buffer b = write_file(m, format);
-    uint8_t *const bytes = malloc((size_t)b.size);
-    size_t const size = (size_t)b.size;
-    memcpy(bytes, b.bytes, size);
-    bvx_buffer_free(ctx, &b);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(bytes, size, format, &back), bvx_last_message(ctx));
-    free(bytes);
-    return back;
-}
 
 static void test_write_ply_reads_back(void)
 {
     for (uint64_t seed = 1; seed < 20; seed++)
         for (int32_t type = BVX_F32; type <= BVX_F64; type++) {
-            bvx_mesh const m = random_mesh(type, seed);
+            bvx_mesh const m = random_mesh(type, 0, seed);
             bvx_mesh back = write_and_read(&m, BVX_FORMAT_PLY);
             TEST_ASSERT_EQUAL_INT32(type, back.position_type);
             TEST_ASSERT_EQUAL_UINT64(VERTICES, back.vertex_count);
@@ -73,7 +23,7 @@ static void test_write_obj_reads_back(void)
 {
     for (uint64_t seed = 1; seed < 20; seed++)
         for (int32_t type = BVX_F32; type <= BVX_F64; type++) {
-            bvx_mesh const m = random_mesh(type, seed);
+            bvx_mesh const m = random_mesh(type, 0, seed);
             bvx_mesh back = write_and_read(&m, BVX_FORMAT_OBJ);
             TEST_ASSERT_EQUAL_UINT64(VERTICES, back.vertex_count);
             TEST_ASSERT_EQUAL_MEMORY(triangles, back.triangles, sizeof triangles);
@@ -90,7 +40,7 @@ static void test_write_obj_reads_back(void)
 static void test_write_stl_reads_back(void)
 {
     for (uint64_t seed = 1; seed < 20; seed++) {
-        bvx_mesh m = random_mesh(BVX_F32, seed);
+        bvx_mesh m = random_mesh(BVX_F32, 0, seed);
         bvx_mesh back = write_and_read(&m, BVX_FORMAT_STL);
         TEST_ASSERT_EQUAL_UINT64(TRIANGLES, back.triangle_count);
         for (uint64_t t = 0; t < TRIANGLES; t++)
@@ -111,6 +61,98 @@ static void test_write_stl_reads_back(void)
         bvx_buffer_free(ctx, &b);
         bvx_mesh_free(ctx, &back);
     }
+}
+
+/* Colours and texture coordinates come back from the formats that keep them. */
+static void check_attributes_read_back(int32_t format, int alpha)
+{
+    for (uint64_t seed = 1; seed < 6; seed++)
+        for (int with = 0; with < 8; with++)
+            for (int32_t type = BVX_F32; type <= BVX_F64; type++) {
+                bvx_mesh const m = random_mesh(type, with, seed);
+                bvx_mesh back = write_and_read(&m, format);
+                TEST_ASSERT_EQUAL_UINT64(VERTICES, back.vertex_count);
+                TEST_ASSERT_EQUAL_MEMORY(triangles, back.triangles, sizeof triangles);
+                for (uint64_t t = 0; t < TRIANGLES; t++)
+                    for (int k = 0; k < 3; k++) {
+                        double p[3], q[3];
+                        corner_of(&m, t, k, p);
+                        corner_of(&back, t, k, q);
+                        for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(p[a] == as_written(&m, q[a]));
+                    }
+                check_same_attributes(&m, &back, alpha);
+                bvx_mesh_free(ctx, &back);
+            }
+}
+
+static void test_write_ply_attributes_read_back(void) { check_attributes_read_back(BVX_FORMAT_PLY, 1); }
+static void test_write_obj_attributes_read_back(void) { check_attributes_read_back(BVX_FORMAT_OBJ, 0); }
+
+/* Every value of a colour is a fraction that gives it back, whether a program rounds or cuts off. */
+static void test_write_obj_colours_are_exact(void)
+{
+    static float p[256 * 3];
+    static uint8_t c[256 * 4];
+    uint32_t t[3] = {0, 1, 2};
+    bvx_mesh m = {0};
+    char *text, *line;
+    for (int i = 0; i < 256; i++) memset(c + 4 * i, i, 4);
+    m.positions = p;
+    m.triangles = t;
+    m.vertex_count = 256;
+    m.triangle_count = 1;
+    m.position_type = BVX_F32;
+    m.colours = c;
+    bvx_buffer b = write_file(&m, BVX_FORMAT_OBJ);
+    text = calloc((size_t)b.size + 1, 1);
+    memcpy(text, b.bytes, (size_t)b.size);
+    bvx_buffer_free(ctx, &b);
+    line = strstr(text, "v 0 0 0 ");
+    for (int i = 0; i < 256; i++, line = strchr(line, '\n') + 1) {
+        double r[3];
+        int used = 0;
+        TEST_ASSERT_EQUAL_INT(3, sscanf(line, "v 0 0 0 %lf %lf %lf%n", &r[0], &r[1], &r[2], &used));
+        TEST_ASSERT_EQUAL_INT('\n', line[used]);
+        TEST_ASSERT_TRUE(used <= 7 + 3 * 6);
+        for (int k = 0; k < 3; k++) {
+            TEST_ASSERT_EQUAL_INT(i, (int)(r[k] * 255));
+            TEST_ASSERT_EQUAL_INT(i, (int)(r[k] * 255 + 0.5));
+            TEST_ASSERT_EQUAL_INT(i, (int)((float)r[k] * 255.0f));
+        }
+    }
+    TEST_ASSERT_EQUAL_STRING("f 1 2 3\n", line);
+    free(text);
+}
+
+static void test_write_stl_leaves_attributes_out(void)
+{
+    bvx_mesh m = random_mesh(BVX_F32, WITH_COLOURS | WITH_CORNER_UVS, 3);
+    bvx_buffer with = write_file(&m, BVX_FORMAT_STL);
+    m = random_mesh(BVX_F32, 0, 3);
+    bvx_buffer without = write_file(&m, BVX_FORMAT_STL);
+    TEST_ASSERT_EQUAL_UINT64(without.size, with.size);
+    TEST_ASSERT_EQUAL_MEMORY(without.bytes, with.bytes, (size_t)with.size);
+    bvx_buffer_free(ctx, &with);
+    bvx_buffer_free(ctx, &without);
+}
+
+static void test_workers_change_no_file(void)
+{
+    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL, BVX_FORMAT_OFF, BVX_FORMAT_GLB};
+    bvx_mesh m = make_strip(12345);
+    for (int i = 0; i < 5; i++) check_workers_change_nothing(&m, formats[i]);
+    for (int i = 0; i < 2; i++) { /* nothing lost where pieces meet */
+        bvx_mesh back = write_and_read(&m, formats[i]);
+        TEST_ASSERT_EQUAL_UINT64(m.vertex_count, back.vertex_count);
+        TEST_ASSERT_EQUAL_UINT64(m.triangle_count, back.triangle_count);
+        TEST_ASSERT_EQUAL_MEMORY(m.triangles, back.triangles, (size_t)m.triangle_count * 12);
+        for (size_t k = 0; k < m.vertex_count * 3; k++) {
+            double const v = back.position_type == BVX_F32 ? (double)((float *)back.positions)[k] : ((double *)back.positions)[k];
+            TEST_ASSERT_TRUE((double)((float *)m.positions)[k] == as_written(&m, v));
+        }
+        bvx_mesh_free(ctx, &back);
+    }
+    free_strip(&m);
 }
 
 /* ---- bytes ---- */
@@ -161,6 +203,77 @@ static void test_write_ply_bytes(void)
     bvx_buffer_free(ctx, &b);
 }
 
+static uint8_t square_colours[16] = {255, 0, 1, 255, 128, 51, 254, 7, 0, 0, 0, 0, 2, 200, 100, 50};
+static float square_uvs[10] = {0, 0, 1, 0, 1, 0.5f, 0, 1, -3, 1e-7f};
+static uint32_t square_uv_triangles[6] = {0, 1, 2, 2, 3, 4};
+
+static void check_text(const bvx_mesh *m, int32_t format, const char *want)
+{
+    bvx_buffer b = write_file(m, format);
+    TEST_ASSERT_EQUAL_UINT64(strlen(want), b.size);
+    TEST_ASSERT_EQUAL_MEMORY(want, b.bytes, strlen(want));
+    bvx_buffer_free(ctx, &b);
+}
+
+static void test_write_obj_bytes_of_attributes(void)
+{
+    bvx_mesh m = square();
+    m.uvs = square_uvs;
+    m.uv_count = 5;
+    check_text(&m, BVX_FORMAT_OBJ, "# OBJ written by bitvox\nv 0 0 0\nv 2 0 0\nv 2 0.1 0\nv 0 0.1 -0\nvt 0 0\nvt 1 0\n"
+                                   "vt 1 0.5\nvt 0 1\nf 1/1 2/2 3/3\nf 3/3 4/4 1/1\n");
+    m.uv_triangles = square_uv_triangles;
+    m.colours = square_colours;
+    check_text(&m, BVX_FORMAT_OBJ, "# OBJ written by bitvox\nv 0 0 0 1 0 0.004\nv 2 0 0 0.502 0.2 0.997\nv 2 0.1 0 0 0 0\n"
+                                   "v 0 0.1 -0 0.008 0.785 0.393\nvt 0 0\nvt 1 0\nvt 1 0.5\nvt 0 1\nvt -3 1e-7\n"
+                                   "f 1/1 2/2 3/3\nf 3/3 4/4 1/5\n");
+}
+
+static void test_write_ply_bytes_of_attributes(void)
+{
+    static const char vertex_uvs[] = "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 4\n"
+                                     "property float x\nproperty float y\nproperty float z\n"
+                                     "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
+                                     "property float s\nproperty float t\nelement face 2\n"
+                                     "property list uchar int vertex_indices\nend_header\n";
+    static const char corner_uvs[] = "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 4\n"
+                                     "property float x\nproperty float y\nproperty float z\nelement face 2\n"
+                                     "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n";
+    uint8_t want[4];
+    bvx_mesh m = square();
+    m.colours = square_colours;
+    m.uvs = square_uvs;
+    m.uv_count = 5;
+    bvx_buffer b = write_file(&m, BVX_FORMAT_PLY);
+    size_t n = strlen(vertex_uvs);
+    TEST_ASSERT_EQUAL_UINT64(n + 4 * 24 + 26, b.size);
+    TEST_ASSERT_EQUAL_MEMORY(vertex_uvs, b.bytes, n);
+    for (size_t v = 0; v < 4; v++) {
+        TEST_ASSERT_EQUAL_MEMORY(square_colours + 4 * v, b.bytes + n + 24 * v + 12, 4);
+        for (size_t a = 0; a < 2; a++) {
+            put_f32(want, square_uvs[2 * v + a], 0);
+            TEST_ASSERT_EQUAL_MEMORY(want, b.bytes + n + 24 * v + 16 + 4 * a, 4);
+        }
+    }
+    bvx_buffer_free(ctx, &b);
+    m.colours = NULL;
+    m.uv_triangles = square_uv_triangles;
+    b = write_file(&m, BVX_FORMAT_PLY);
+    n = strlen(corner_uvs);
+    TEST_ASSERT_EQUAL_UINT64(n + 48 + 2 * 38, b.size);
+    TEST_ASSERT_EQUAL_MEMORY(corner_uvs, b.bytes, n);
+    for (size_t t = 0; t < 2; t++) {
+        const uint8_t *const face = b.bytes + n + 48 + 38 * t;
+        TEST_ASSERT_EQUAL_UINT8(3, face[0]);
+        TEST_ASSERT_EQUAL_UINT8(6, face[13]);
+        for (size_t i = 0; i < 6; i++) {
+            put_f32(want, square_uvs[2 * square_uv_triangles[3 * t + i / 2] + i % 2], 0);
+            TEST_ASSERT_EQUAL_MEMORY(want, face + 14 + 4 * i, 4);
+        }
+    }
+    bvx_buffer_free(ctx, &b);
+}
+
 static void test_write_stl_bytes(void)
 {
     bvx_mesh m = square();
@@ -185,7 +298,7 @@ static void test_write_stl_bytes(void)
 
 static void test_write_stl_normals_are_unit(void)
 {
-    bvx_mesh const m = random_mesh(BVX_F32, 7); /* sizes from 1e-45 to 1e38 */
+    bvx_mesh const m = random_mesh(BVX_F32, 0, 7); /* sizes from 1e-45 to 1e38 */
     bvx_buffer b = write_file(&m, BVX_FORMAT_STL);
     for (int t = 0; t < TRIANGLES; t++) {
         double n[3], length;
@@ -230,19 +343,10 @@ static void test_write_adds_the_frame(void)
 
 /* ---- refusals ---- */
 
-static void check_not_written(const bvx_mesh *m, int32_t format, bvx_status status, const char *words)
-{
-    bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_write_mesh(ctx, m, format, &b), words);
-    TEST_ASSERT_TRUE(b.bytes == NULL && b.size == 0 && b.capacity == 0);
-    if (strstr(bvx_last_message(ctx), words) == NULL) TEST_ASSERT_EQUAL_STRING(words, bvx_last_message(ctx));
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
-}
-
 static void test_write_refuses(void)
 {
-    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL};
-    for (int i = 0; i < 3; i++) {
+    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL, BVX_FORMAT_OFF, BVX_FORMAT_GLB};
+    for (int i = 0; i < 5; i++) {
         bvx_mesh m = square();
         float *const p = m.positions;
         uint32_t bad[6] = {0, 1, 2, 2, 4, 0};
@@ -266,6 +370,30 @@ static void test_write_refuses(void)
         m = square();
         m.positions = NULL;
         check_not_written(&m, formats[i], BVX_ERR_ARGUMENT, "positions");
+        m = square();
+        m.uv_count = 4;
+        check_not_written(&m, formats[i], BVX_ERR_ARGUMENT, "uvs is NULL beside a uv_count");
+        m.uv_triangles = square_uv_triangles;
+        check_not_written(&m, formats[i], BVX_ERR_ARGUMENT, "uvs is NULL beside uv_triangles");
+        m.uvs = square_uvs;
+        check_not_written(&m, formats[i], BVX_ERR_RANGE, "triangle 1 has texture coordinate number 4, there are 4");
+        m.uv_triangles = NULL;
+        m.uv_count = 3;
+        check_not_written(&m, formats[i], BVX_ERR_ARGUMENT, "uv_count is 3 for 4 vertices");
+        m.uv_count = UINT64_C(1) << 32;
+        check_not_written(&m, formats[i], BVX_ERR_RANGE, "uv_count is 4294967296");
+        m.uv_count = 5;
+        float broken[10];
+        memcpy(broken, square_uvs, sizeof broken);
+        m.uvs = broken;
+        broken[7] = HUGE_VALF - HUGE_VALF;
+        check_not_written(&m, formats[i], BVX_ERR_RANGE, "texture coordinate 3 is not finite");
+        broken[7] = 0;
+        broken[8] = HUGE_VALF; /* beyond the vertices: no texture coordinate, unless corners have their own */
+        bvx_buffer b = write_file(&m, formats[i]);
+        bvx_buffer_free(ctx, &b);
+        m.uv_triangles = square_uv_triangles;
+        check_not_written(&m, formats[i], BVX_ERR_RANGE, "texture coordinate 4 is not finite");
     }
     bvx_mesh m = square();
     check_not_written(&m, BVX_FORMAT_NPY, BVX_ERR_UNSUPPORTED, "format 4");
@@ -300,10 +428,10 @@ static void test_write_stl_refuses_what_floats_cannot_hold(void)
 
 static void test_write_keeps_to_the_limit(void)
 {
-    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL};
+    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL, BVX_FORMAT_OFF, BVX_FORMAT_GLB};
     bvx_mesh const m = square();
     bvx_context *const plain = ctx;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 5; i++)
         for (uint64_t limit = 1; limit < 400; limit++) {
             bvx_context_options o;
             bvx_buffer b = {0};
@@ -324,7 +452,7 @@ static void test_write_keeps_to_the_limit(void)
 
 static void test_a_locale_with_comma_changes_no_file(void)
 {
-    bvx_mesh m = random_mesh(BVX_F64, 3);
+    bvx_mesh m = random_mesh(BVX_F64, 0, 3);
     bvx_buffer plain = write_file(&m, BVX_FORMAT_OBJ);
     if (!set_comma_locale()) {
         bvx_buffer_free(ctx, &plain);
@@ -358,7 +486,7 @@ static void test_files_live_in_an_arena(void)
     o.arena_size = size;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
     for (int i = 0; i < 60; i++) {
-        bvx_mesh const m = random_mesh(i % 2 == 0 ? BVX_F32 : BVX_F64, (uint64_t)i / 6 + 1);
+        bvx_mesh const m = random_mesh(i % 2 == 0 ? BVX_F32 : BVX_F64, 0, (uint64_t)i / 6 + 1);
         if (i % 2 == 1 && formats[i % 3] == BVX_FORMAT_STL) continue; /* beyond floats */
         bvx_buffer b = write_file(&m, formats[i % 3]);
         bvx_mesh back = {0};
@@ -381,7 +509,14 @@ int main(void)
     RUN_TEST(test_write_ply_reads_back);
     RUN_TEST(test_write_obj_reads_back);
     RUN_TEST(test_write_stl_reads_back);
+    RUN_TEST(test_write_ply_attributes_read_back);
+    RUN_TEST(test_write_obj_attributes_read_back);
+    RUN_TEST(test_write_obj_colours_are_exact);
+    RUN_TEST(test_write_stl_leaves_attributes_out);
+    RUN_TEST(test_workers_change_no_file);
     RUN_TEST(test_write_obj_bytes);
+    RUN_TEST(test_write_obj_bytes_of_attributes);
+    RUN_TEST(test_write_ply_bytes_of_attributes);
     RUN_TEST(test_write_ply_bytes);
     RUN_TEST(test_write_stl_bytes);
     RUN_TEST(test_write_stl_normals_are_unit);

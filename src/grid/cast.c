@@ -1,0 +1,340 @@
+/* cast.c - the first set voxel on each of many rays.
+ *
+ * Source: Amanatides, Woo. A Fast Voxel Traversal Algorithm for Ray Tracing. 1987, over the rows of the grid instead of its
+ * voxels: the walk steps along y and z alone, and the part of a row that the ray is in between two steps is looked at in
+ * words, empty ones in one glance. Where many rays are cast the same walk goes over rows of bricks of 8 x 8 x 8 voxels, and
+ * over the rows of voxels only while it is beside bricks that hold something.
+ *
+ * Guarantee. Along each axis the ray has u = (origin - lattice origin) / spacing and step = direction / spacing, and crosses
+ * the lattice's plane i at t(i) = (i - u) * (1 / step), in doubles, never by adding up. A voxel's closed box is met for t from
+ * the greatest t of its entering planes to the least of its leaving ones; an axis that the ray does not move along is met
+ * always when u lies in the box, at both voxels when u is the plane between them. The hit is the set voxel with the least
+ * (t, z, y, x) by these numbers, as if all had been asked: a ray through an edge or a corner looks at every voxel there, and
+ * one that slides between two layers looks at both. So bricks change nothing, and as planes are counted from the lattice's
+ * origin, neither does a window. (Beyond 2^50 voxels of distance planes get equal t, and ties may be left out.)
+ * A start so far away or a direction so long that u or step overflows meets nothing; a t above the largest double is none. */
+#include "grid/bricks.h"
+#include "grid/components.h"
+#include "grid/grid.h"
+
+#include <math.h>
+
+enum {
+    CAST_GRAIN = 64,        /* least rays a piece */
+    CAST_BRICK_RAYS = 256,  /* bricks are made for so many rays, */
+    CAST_BRICK_WORDS = 2048 /* when the grid has at most so many words for each: what making them costs, they save */
+};
+
+/* One axis of a ray. */
+typedef struct cast_axis {
+    double u, step, per; /* start and direction in voxels of the lattice; 1 / step */
+    double low;          /* of the window */
+    double slack;        /* above all rounding of a place computed from t [Units: voxels] */
+    int32_t way;         /* 1 or -1; 0: it does not move */
+    int32_t first, last; /* voxels of the window in the ray's order; way 0: the one or two that it is in */
+} cast_axis;
+
+typedef struct cast_ray {
+    const bvx_grid *grid;
+    const bvxi_bricks *bricks;
+    cast_axis axis[3];
+    double end;       /* no hit behind this t */
+    double t;         /* of the best hit so far; end while there is none */
+    int32_t voxel[3]; /* of the best hit; x is -1 while there is none */
+} cast_ray;
+
+static inline double cast_plane(const cast_axis *a, int32_t i)
+{
+    return ((double)i + a->low - a->u) * a->per;
+}
+
+static inline double cast_enter(const cast_axis *a, int32_t i)
+{
+    return a->way == 0 ? -HUGE_VAL : cast_plane(a, i + (a->way < 0));
+}
+
+static inline double cast_leave(const cast_axis *a, int32_t i)
+{
+    return a->way == 0 ? HUGE_VAL : cast_plane(a, i + (a->way > 0));
+}
+
+/* ---- A row ---- */
+
+/* Where the ray is along an axis [Units: voxels of the window]; only as good as its slack. */
+static inline double cast_place(const cast_axis *a, double t)
+{
+    return a->u + t * a->step - a->low;
+}
+
+/* The voxels of a row that can be met between two places, and perhaps one more at each end. */
+static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, int32_t *low, int32_t *high)
+{
+    double const least = (p < q ? p : q) - a->slack, most = (p < q ? q : p) + a->slack;
+    if (a->way == 0) {
+        *low = a->first;
+        *high = a->last;
+        return 1;
+    }
+    *low = !(least > 0.0) ? 0 : least < (double)n ? (int32_t)least : n;
+    *high = !(most >= 0.0) ? -1 : most < (double)n ? (int32_t)most : n - 1;
+    return *low <= *high;
+}
+
+/* Take voxel x of a row that is met during [from, to] when it is the best; 0 when those behind it come too late. */
+static int try_cast_voxel(cast_ray *r, int32_t x, int32_t y, int32_t z, double from, double to)
+{
+    double const enter = cast_enter(&r->axis[0], x), t = enter > from ? enter : from;
+    int better = r->voxel[0] < 0;
+    if (enter > to || t > r->t) return 0;
+    if (cast_leave(&r->axis[0], x) < from) return 1;
+    if (!better && t == r->t) {
+        better = z < r->voxel[2];
+        if (z == r->voxel[2]) better = y < r->voxel[1] || (y == r->voxel[1] && x < r->voxel[0]);
+    } else better = 1;
+    if (better) {
+        r->t = t;
+        r->voxel[0] = x;
+        r->voxel[1] = y;
+        r->voxel[2] = z;
+    }
+    return 1;
+}
+
+/* Set voxels among low..high of a row, in the ray's order, as long as they can matter. */
+static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t z, double from, double to)
+{
+    const bvx_grid *const g = r->grid;
+    const uint64_t *const row =
+        g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
+    int32_t const k_low = low >> 6, k_high = high >> 6, back = r->axis[0].way < 0;
+    for (int32_t n = 0; n <= k_high - k_low; n++) {
+        int32_t const k = back ? k_high - n : k_low + n;
+        uint64_t w = row[k];
+        if (w == 0) continue;
+        if (k == k_low) w &= ~UINT64_C(0) << (low & 63);
+        if (k == k_high) w &= bvxi_tail_mask(high + 1);
+        while (w != 0) {
+            int32_t const bit = back ? bvxi_highest(w) : bvxi_lowest(w);
+            if (!try_cast_voxel(r, k * BVXI_WORD_BITS + bit, y, z, from, to)) return;
+            w ^= UINT64_C(1) << bit;
+        }
+    }
+}
+
+/* Is there a brick that holds something among those of voxels low..high? */
+static int cast_bricks_hold(const bvxi_bricks *b, int32_t low, int32_t high, int32_t y, int32_t z)
+{
+    const uint64_t *const row = b->words + ((size_t)z * (size_t)b->size[1] + (size_t)y) * (size_t)b->words_per_row;
+    int32_t const first = low >> BVXI_BRICK_SHIFT, last = high >> BVXI_BRICK_SHIFT, k_first = first >> 6, k_last = last >> 6;
+    for (int32_t k = k_first; k <= k_last; k++) {
+        uint64_t w = row[k];
+        if (k == k_first) w &= ~UINT64_C(0) << (first & 63);
+        if (k == k_last) w &= bvxi_tail_mask(last + 1);
+        if (w != 0) return 1;
+    }
+    return 0;
+}
+
+/* ---- The walk over rows ---- */
+
+/* The first cell of 2^shift voxels in the ray's order that is met at t; one is. */
+static inline int32_t cast_start(const cast_axis *a, int32_t shift, int32_t n, double t)
+{
+    int32_t i = a->first;
+    if (a->way == 0) return i >> shift;
+    double const p = cast_place(a, t);
+    i = !(p > 0.0) ? 0 : p < (double)n ? (int32_t)p : n - 1;
+    while (i != a->first && cast_leave(a, i - a->way) >= t) i -= a->way;
+    while (i != a->last && cast_leave(a, i) < t) i += a->way;
+    return i >> shift;
+}
+
+/* When the ray leaves a cell of 2^shift voxels; behind the grid's end for the last one. */
+static inline double cast_leave_cell(const cast_axis *a, int32_t shift, int32_t i)
+{
+    return a->way == 0 ? HUGE_VAL : cast_plane(a, (int32_t)((uint32_t)(i + (a->way > 0)) << shift));
+}
+
+static void walk_cast_voxels(cast_ray *r, double from, double to);
+
+/* The row, or rows when the ray slides between some, in which it is during [from, to]; x goes from place p to q. */
+static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, double from, double to, double p, double q)
+{
+    const cast_axis *const a = r->axis;
+    int32_t const y_end = a[1].way == 0 ? a[1].last >> shift : y, z_end = a[2].way == 0 ? a[2].last >> shift : z;
+    int32_t low, high;
+    if (!cast_reach(&a[0], r->grid->size[0], p, q, &low, &high)) return;
+    for (int32_t k = z; k <= z_end; k++)
+        for (int32_t j = y; j <= y_end; j++) {
+            if (shift == 0) {
+                cast_row(r, low, high, j, k, from, to);
+            } else if (cast_bricks_hold(r->bricks, low, high, j, k)) {
+                walk_cast_voxels(r, from, to);
+                return; /* it has looked beside all of these rows */
+            }
+        }
+}
+
+/* From t to end, until no row can hold a better hit. */
+static inline void walk_cast_rows(cast_ray *r, int32_t shift, double t, double end)
+{
+    const cast_axis *const a = r->axis;
+    int32_t const last_y = a[1].last >> shift, last_z = a[2].last >> shift;
+    int32_t y = cast_start(&a[1], shift, r->grid->size[1], t), z = cast_start(&a[2], shift, r->grid->size[2], t);
+    double leave_y = cast_leave_cell(&a[1], shift, y), leave_z = cast_leave_cell(&a[2], shift, z), p = cast_place(&a[0], t);
+    for (;;) {
+        double const next = leave_y < leave_z ? leave_y : leave_z, to = next < end ? next : end;
+        double const q = cast_place(&a[0], to);
+        int const over_y = leave_y == next, over_z = leave_z == next, more_y = y != last_y, more_z = z != last_z;
+        cast_rows(r, shift, y, z, t, to, p, q);
+        if (!(next <= r->t && next <= end)) return;
+        if (over_y && over_z) { /* over an edge along x: the two rows beside it too */
+            if (more_y) cast_rows(r, shift, y + a[1].way, z, next, next, q, q);
+            if (more_z) cast_rows(r, shift, y, z + a[2].way, next, next, q, q);
+        }
+        if ((over_y && !more_y) || (over_z && !more_z)) return;
+        if (over_y) leave_y = cast_leave_cell(&a[1], shift, y += a[1].way);
+        if (over_z) leave_z = cast_leave_cell(&a[2], shift, z += a[2].way);
+        t = next;
+        p = q;
+    }
+}
+
+static void walk_cast_voxels(cast_ray *r, double from, double to)
+{
+    walk_cast_rows(r, 0, from, to);
+}
+
+static void walk_cast_bricks(cast_ray *r, double from, double to)
+{
+    walk_cast_rows(r, BVXI_BRICK_SHIFT, from, to);
+}
+
+/* ---- One ray ---- */
+
+/* Set up an axis; 0 when the ray lies beside the box. */
+static int plan_cast_axis(const bvx_grid *g, int32_t axis, double origin, double direction, cast_axis *a)
+{
+    int32_t const n = g->size[axis];
+    a->low = (double)g->low[axis];
+    a->u = (origin - g->lattice.origin[axis]) / g->lattice.spacing[axis];
+    a->step = direction / g->lattice.spacing[axis];
+    a->per = 1.0 / a->step;
+    if (a->u - a->u != 0.0 || a->step - a->step != 0.0) return 0;
+    a->slack = ((a->u < 0.0 ? -a->u : a->u) + a->low + (double)n + 1.0) * 0x1p-48;
+    if (a->step != 0.0 && a->per - a->per == 0.0) {
+        a->way = a->step > 0.0 ? 1 : -1;
+        a->first = a->way > 0 ? 0 : n - 1;
+        a->last = a->way > 0 ? n - 1 : 0;
+        return 1;
+    }
+    if (!(a->u >= a->low && a->u <= a->low + (double)n)) return 0;
+    a->way = 0;
+    a->last = (int32_t)(a->u - a->low); /* the difference is exact: u is not below low, a whole number */
+    a->first = a->last > 0 && (double)a->last + a->low == a->u ? a->last - 1 : a->last;
+    if (a->last == n) a->last = n - 1;
+    return 1;
+}
+
+/* The part of the ray in the grid's box, [*begin, end]; 0 when there is none. */
+static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *begin)
+{
+    *begin = 0.0;
+    r->end = t_max < 0x1.fffffffffffffp+1023 ? t_max : 0x1.fffffffffffffp+1023;
+    for (int32_t i = 0; i < 3; i++) {
+        double enter, leave;
+        if (!plan_cast_axis(r->grid, i, ray[i], ray[3 + i], &r->axis[i])) return 0;
+        enter = cast_enter(&r->axis[i], r->axis[i].first);
+        leave = cast_leave(&r->axis[i], r->axis[i].last);
+        *begin = enter > *begin ? enter : *begin;
+        r->end = leave < r->end ? leave : r->end;
+    }
+    r->t = r->end;
+    r->voxel[0] = -1;
+    return *begin <= r->end;
+}
+
+static void report_cast_hit(const double *ray, const cast_ray *r, bvx_ray_hit *hit)
+{
+    double latest = 0.0;
+    hit->hit = 1;
+    hit->t = r->t;
+    hit->axis = -1;
+    for (int32_t i = 0; i < 3; i++) {
+        double const enter = cast_enter(&r->axis[i], r->voxel[i]);
+        if (enter > latest) {
+            latest = enter;
+            hit->axis = i;
+        }
+        hit->voxel[i] = r->voxel[i];
+        hit->position[i] = ray[i] + r->t * ray[3 + i];
+    }
+}
+
+/* ---- Many rays ---- */
+
+typedef struct cast_work {
+    const bvx_grid *grid;
+    const bvxi_bricks *bricks;
+    const double *rays;
+    bvx_ray_hit *hits;
+    double t_max;
+    uint64_t count;
+    int32_t pieces;
+} cast_work;
+
+static void cast_piece(void *user, int32_t index, int32_t worker)
+{
+    const cast_work *const w = user;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(w->count, w->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        const double *const ray = w->rays + 6 * i;
+        cast_ray r;
+        double start;
+        memset(&w->hits[i], 0, sizeof w->hits[i]);
+        r.grid = w->grid;
+        r.bricks = w->bricks;
+        if (!clip_cast_ray(ray, w->t_max, &r, &start)) continue;
+        if (r.bricks->words != NULL) walk_cast_bricks(&r, start, r.end);
+        else walk_cast_voxels(&r, start, r.end);
+        if (r.voxel[0] >= 0) report_cast_hit(ray, &r, &w->hits[i]);
+    }
+}
+
+static bvx_status check_cast_rays(bvx_context *ctx, const char *function, const double *rays, uint64_t count)
+{
+    static const char *const part[6] = {"origin x", "origin y", "origin z", "direction x", "direction y", "direction z"};
+    for (uint64_t i = 0; i < count; i++) {
+        const double *const ray = rays + 6 * i;
+        for (int k = 0; k < 6; k++)
+            if (ray[k] - ray[k] != 0.0)
+                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: ray %u has %s = %g, which is not finite", function, i, part[k], ray[k]);
+        if (ray[3] == 0.0 && ray[4] == 0.0 && ray[5] == 0.0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: ray %u has a direction of length 0", function, i);
+    }
+    return BVX_OK;
+}
+
+bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count, double t_max,
+                         bvx_ray_hit *hits)
+{
+    static const char *const function = "bvx_grid_cast";
+    bvxi_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
+    cast_work w = {grid, &bricks, rays, hits, t_max, count, bvxi_piece_count(count, CAST_GRAIN)};
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_grid_check(context, function, grid));
+    if (rays == NULL && count != 0) return bvxi_fail_null(context, function, "rays");
+    if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
+    if (!(t_max >= 0.0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: t_max is %g; it must be 0 or above", function, t_max);
+    if (count > SIZE_MAX / sizeof *hits)
+        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u rays are beyond this machine's addresses", function, count);
+    BVXI_TRY(check_cast_rays(context, function, rays, count));
+    if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)
+        BVXI_TRY(bvxi_bricks_make(context, "cast", 0.0, 0.05, grid, &bricks));
+    status = bvxi_parallel(context, "cast", 0.05, 1.0, w.pieces, cast_piece, &w);
+    bvxi_bricks_free(context, &bricks);
+    return status;
+}

@@ -1,0 +1,84 @@
+/* file_parts.c - the writing of long files by several workers.
+ *
+ * The things of all parts, counted through, are cut into pieces. Each piece is written where it would begin if everything
+ * before it had its greatest length; afterwards the pieces are pushed together. So text is made once, by all workers,
+ * into one block, and files whose things have fixed lengths move nothing.
+ * Guarantee: the bytes do not depend on workers or pieces. */
+#include "io/file_parts.h"
+#include "io/formats.h"
+
+enum { FILE_PIECES = 256, FILE_PIECE_BYTES = 65536 };
+
+typedef struct file_job {
+    const bvxi_file_part *part;
+    const void *user;
+    uint8_t *bytes; /* behind the head */
+    uint64_t things;
+    int32_t parts, pieces;
+    uint64_t made[FILE_PIECES]; /* bytes of each piece */
+} file_job;
+
+/* Where a thing would begin if all before it had their greatest length. */
+static uint64_t file_place(const file_job *job, uint64_t thing)
+{
+    uint64_t place = 0;
+    for (int32_t i = 0; i < job->parts; i++) {
+        uint64_t const n = thing < job->part[i].count ? thing : job->part[i].count;
+        place += n * job->part[i].most;
+        thing -= n;
+    }
+    return place;
+}
+
+static void make_file_piece(void *user, int32_t index, int32_t worker)
+{
+    file_job *const job = user;
+    uint64_t begin, end, first = 0;
+    uint8_t *start, *at;
+    (void)worker;
+    bvxi_piece(job->things, job->pieces, index, &begin, &end);
+    start = at = job->bytes + file_place(job, begin);
+    for (int32_t i = 0; i < job->parts; i++) {
+        uint64_t const last = first + job->part[i].count;
+        uint64_t const from = begin > first ? begin : first, to = end < last ? end : last;
+        if (from < to) at = job->part[i].put(job->user, from - first, to - first, at);
+        first = last;
+    }
+    job->made[index] = (uint64_t)(at - start);
+}
+
+/* Returns the bytes of all pieces, now without gaps. */
+static uint64_t close_file_gaps(const file_job *job)
+{
+    uint64_t size = 0, begin, end;
+    for (int32_t i = 0; i < job->pieces; i++) {
+        bvxi_piece(job->things, job->pieces, i, &begin, &end);
+        begin = file_place(job, begin);
+        if (begin != size) memmove(job->bytes + size, job->bytes + begin, (size_t)job->made[i]);
+        size += job->made[i];
+    }
+    return size;
+}
+
+bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head, const bvxi_file_part *part,
+                          int32_t parts, const void *user, bvx_buffer *file)
+{
+    file_job job = {0};
+    bvx_status status;
+    uint64_t most;
+    job.part = part;
+    job.parts = parts;
+    job.user = user;
+    for (int32_t i = 0; i < parts; i++) job.things += part[i].count;
+    most = file_place(&job, job.things);
+    job.pieces = bvxi_piece_count(most, FILE_PIECE_BYTES);
+    BVXI_TRY(bvxi_make_buffer(ctx, head + most, what, file));
+    job.bytes = file->bytes + head;
+    status = bvxi_parallel(ctx, "write", from, 1.0, job.pieces, make_file_piece, &job);
+    if (status != BVX_OK) {
+        bvx_buffer_free(ctx, file);
+        return status;
+    }
+    file->size = head + close_file_gaps(&job);
+    return BVX_OK;
+}

@@ -1,0 +1,99 @@
+/* grid_formats.h - the readers and writers behind bvx_read_grid and bvx_write_grid, and what they share. Not installed. */
+#ifndef BVXI_GRID_FORMATS_H
+#define BVXI_GRID_FORMATS_H
+
+#include "grid/grid.h"
+#include "io/bytes.h"
+
+/* ---- readers: arguments are checked; grid is what the caller gave, and freed by him on failure ---- */
+
+typedef struct bvxi_grid_source {
+    bvx_context *ctx;
+    const uint8_t *begin, *end;
+    const bvx_window *window; /* voxels of the file that are wanted; NULL: all */
+} bvxi_grid_source;
+
+bvx_status bvxi_read_npy(const bvxi_grid_source *source, bvx_grid *grid);
+bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid);
+bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid);
+bvx_status bvxi_read_nrrd(const bvxi_grid_source *source, bvx_grid *grid);
+bvx_status bvxi_read_vti(const bvxi_grid_source *source, bvx_grid *grid);
+bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid);
+
+/* The box that a file says it holds: refused (with the format's name in the message) when it is no lattice. */
+bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3], const double spacing[3],
+                         const uint64_t dims[3], bvx_lattice *box);
+/* Make the grid for the wanted part of the file's window: all bits zero. *part becomes what is wanted, counted from the
+ * file's first voxel. Refuses a window outside the file. Call it only when the file's size agrees with its head, so that a
+ * small file cannot ask for much memory (packed formats: at most what their bytes can stand for). */
+bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *format, const bvx_lattice *lattice,
+                               const bvx_window *file_window, bvx_window *part, bvx_grid *grid);
+
+/* A run of set voxels of the file, [x, end) in row (y, z) of the file's box; what lies outside part is left out. */
+void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_t end, int64_t y, int64_t z);
+
+/* ---- dense samples: npy, nrrd, vti ---- */
+
+/* Kinds of numbers in files. */
+enum {
+    BVXI_SAMPLE_U8 = 1, BVXI_SAMPLE_I8, BVXI_SAMPLE_U16, BVXI_SAMPLE_I16, BVXI_SAMPLE_U32, BVXI_SAMPLE_I32, BVXI_SAMPLE_U64,
+    BVXI_SAMPLE_I64, BVXI_SAMPLE_F32, BVXI_SAMPLE_F64, BVXI_SAMPLE_F16
+};
+
+/* Bytes of one number; 0 for no kind. */
+static inline uint32_t bvxi_sample_size(int32_t kind)
+{
+    static const uint8_t size[12] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8, 2};
+    return kind >= 1 && kind <= 11 ? size[kind] : 0;
+}
+
+/* Samples in a file: the one of voxel (x,y,z) stands at first + x * stride[0] + y * stride[1] + z * stride[2]. */
+typedef struct bvxi_samples {
+    const uint8_t *first;
+    uint64_t stride[3]; /* [Units: bytes] */
+    int32_t kind;       /* BVXI_SAMPLE_... */
+    int32_t big;        /* 1: big-endian */
+} bvxi_samples;
+
+/* Set the grid's voxels where samples are not 0 (-0 is 0, NaN is not); the grid is of the part of the file that is wanted.
+ * Rows of bytes in x order are packed eight at a time; runs in parallel over slices. */
+bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, const bvx_window *part, bvx_grid *grid);
+/* The same from numbers in a text between begin and end, x fastest, one for each voxel of a file of these sides; white space
+ * is between them. *stop becomes where the last one ends. Names the line and the number's place when one is missing. */
+bvx_status bvxi_pack_text(bvx_context *ctx, const char *format, const char *file, const char *begin, const char *end,
+                          const int32_t dims[3], const bvx_window *part, bvx_grid *grid, const char **stop);
+/* One row of voxels as bytes 0 and 1. */
+void bvxi_unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes);
+/* All rows of the grid, one behind the other; runs in parallel. */
+bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *bytes);
+
+/* ---- writers: arguments are checked ---- */
+
+/* The file of a head that is written and a tail, with the grid's voxels as bytes 0 and 1 between them. */
+typedef struct bvxi_dense_file {
+    const char *what;                                       /* "the NPY file", for messages */
+    void (*put_head)(const bvx_grid *grid, bvxi_output *out); /* called twice: to count and to write */
+    const char *tail;
+} bvxi_dense_file;
+bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind, bvx_buffer *file);
+/* Refuse a grid whose first voxel has a corner or centre that is not finite: text of a format could not tell it. */
+bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid);
+
+bvx_status bvxi_write_npy(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
+bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
+bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
+bvx_status bvxi_write_nrrd(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
+bvx_status bvxi_write_vti(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
+bvx_status bvxi_write_bvx(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
+
+/* Key of an NRRD file that keeps the low corner unrounded. */
+#define BVXI_NRRD_CORNER_KEY "bitvox low corner"
+
+/* The world's place of the low corner of the grid's window. */
+static inline void bvxi_grid_corner(const bvx_grid *grid, double corner[3])
+{
+    for (int a = 0; a < 3; a++)
+        corner[a] = grid->lattice.origin[a] + (double)grid->low[a] * grid->lattice.spacing[a];
+}
+
+#endif

@@ -1,0 +1,30 @@
+/* nrrd_head.h - the head of an NRRD file, taken apart. Not installed. */
+#ifndef BVXI_NRRD_HEAD_H
+#define BVXI_NRRD_HEAD_H
+
+#include "io/formats.h"
+#include "io/grid_formats.h"
+
+enum nrrd_encoding { NRRD_NONE = 0, NRRD_RAW, NRRD_TEXT };
+enum nrrd_has { NRRD_HAS_SPACING = 1, NRRD_HAS_MIN = 2, NRRD_HAS_MAX = 4, NRRD_HAS_DIRECTION = 8, NRRD_HAS_ORIGIN = 16,
+                NRRD_HAS_CORNER = 32 };
+
+typedef struct nrrd_head {
+    bvxi_source source;    /* for messages: the whole file */
+    const char *data;      /* behind the blank line */
+    uint64_t sizes[3];
+    double spacing[3], min[3], max[3], direction[3], origin[3], corner[3];
+    int64_t line_skip, byte_skip;
+    int32_t kind, encoding, big;
+    int8_t has_sizes, has_dimension, has_endian, node[3];
+    int32_t has;           /* NRRD_HAS_... */
+    uint64_t seen;         /* fields by number: each comes once */
+} nrrd_head;
+
+/* The fields up to the blank line; the head's source is set, all else 0. */
+bvx_status bvxi_nrrd_head_read(nrrd_head *h);
+
+/* The line at p ends at *end; returns where the next begins, NULL when there is none. */
+const char *bvxi_nrrd_line(const char *p, const char *file_end, const char **end);
+
+#endif

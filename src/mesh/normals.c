@@ -1,0 +1,37 @@
+/* normals.c - smooth normals of vertices.
+ *
+ * Source: Gouraud. Continuous Shading of Curved Surfaces. 1971; each facet counts by its area, which the cross product
+ * of its edges gives without a division, so facets without area need no care. */
+#include "mesh/normals.h"
+#include "mesh/facet.h"
+#include "mesh/view.h"
+
+void bvxi_add_normals(const bvx_mesh_view *view, double *sum)
+{
+    double p[3][3], n[3];
+    uint32_t c[3];
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        bvxi_view_triangle(view, t, c);
+        for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+        bvxi_facet_normal((const double(*)[3])p, n);
+        for (int k = 0; k < 3; k++)
+            for (size_t a = 0; a < 3; a++) sum[(size_t)c[k] * 3 + a] += n[a];
+    }
+}
+
+void bvxi_unit_normal(const double sum[3], float normal[3])
+{
+    double most = 0.0, u[3], length;
+    for (int a = 0; a < 3; a++) {
+        double const size = sum[a] < 0.0 ? -sum[a] : sum[a];
+        most = size > most ? size : most;
+    }
+    if (!(most > 0.0)) {
+        normal[0] = normal[1] = 0.0f;
+        normal[2] = 1.0f;
+        return;
+    }
+    for (int a = 0; a < 3; a++) u[a] = sum[a] / most; /* squares of tiny and of huge sums would leave the range */
+    length = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    for (int a = 0; a < 3; a++) normal[a] = (float)(u[a] / length);
+}

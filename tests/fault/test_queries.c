@@ -1,0 +1,295 @@
+/* test_queries.c - nearest points, carried colours, rays, samples and comparisons with every allocation failing once,
+ * cancelled at every progress call, under every memory limit and in arenas of every size. */
+#include "fault/context.h"
+#include "mesh/mesh.h"
+#include "tools/mesh_maker.h"
+
+enum { QUERIES = 600 };
+
+/* ---- Inputs, made once ---- */
+
+static maker_mesh star;
+static bvx_mesh_view star_view;
+static bvx_mesh source; /* with colours and texture coordinates */
+static bvx_grid solid, other;
+static double points[3 * QUERIES], rays[6 * QUERIES];
+static bvx_context *maker; /* what made them */
+
+static int make_inputs(void **state)
+{
+    static const double centre[3] = {17, 16, 15}, radius[3] = {14, 13, 12};
+    uint64_t seed = 81;
+    bvx_context_options o = default_options();
+    bvx_lattice lattice;
+    (void)state;
+    o.threads = 1;
+    maker = context_with(&o);
+    maker_star(&star, &seed, centre, radius, 0.3, 9, 15, 65536);
+    star_view = maker_view(&star);
+    assert_int_equal(bvx_lattice_fit(maker, &star_view, 70, &lattice), BVX_OK);
+    assert_int_equal(bvx_grid_create(maker, &lattice, NULL, &solid), BVX_OK);
+    assert_int_equal(bvx_grid_create(maker, &lattice, NULL, &other), BVX_OK);
+    for (int32_t z = 0; z < lattice.dims[2]; z++)
+        for (int32_t y = 0; y < lattice.dims[1]; y++)
+            for (int32_t x = 0; x < lattice.dims[0]; x++) {
+                bvx_grid_set(&solid, x, y, z, maker_below(&seed, 20) == 0);
+                bvx_grid_set(&other, x, y, z, maker_below(&seed, 20) == 0);
+            }
+    for (int i = 0; i < 3 * QUERIES; i++) points[i] = maker_between(&seed, 0, 32, 1000);
+    for (int i = 0; i < 6 * QUERIES; i++) rays[i] = maker_between(&seed, -5, 35, 1000) - (i % 6 > 2 ? 15.0005 : 0.0);
+    assert_int_equal(bvxi_mesh_open(maker, "test", BVX_F64, 0, star.vertices, star.triangles, &source), BVX_OK);
+    memcpy(source.positions, star.p, star.vertices * 24);
+    memcpy(source.triangles, star.t, star.triangles * 12);
+    source.uv_count = source.vertex_capacity;
+    source.uvs = get(maker, BVXI_RESULT, source.uv_count * 8);
+    source.colours = get(maker, BVXI_RESULT, source.vertex_capacity * 4);
+    for (uint64_t i = 0; i < source.uv_count * 2; i++) source.uvs[i] = (float)maker_below(&seed, 100);
+    for (uint64_t i = 0; i < source.vertex_capacity * 4; i++) source.colours[i] = (uint8_t)maker_below(&seed, 256);
+    return 0;
+}
+
+static int free_inputs(void **state)
+{
+    (void)state;
+    bvx_mesh_free(maker, &source);
+    bvx_grid_free(maker, &solid);
+    bvx_grid_free(maker, &other);
+    assert_int_equal(bvx_memory_used(maker), 0);
+    bvx_context_destroy(maker);
+    maker_free(&star);
+    return 0;
+}
+
+/* ---- Queries: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+
+static uint64_t mark;   /* a hash of what the last good run made */
+static int left_behind; /* a failed call left something in a result */
+
+static bvx_status find(void *user, bvx_context *ctx)
+{
+    static bvx_closest_point found[QUERIES];
+    bvx_closest *closest = NULL;
+    bvx_status status;
+    (void)user;
+    memset(found, 0, sizeof found);
+    status = bvx_closest_create(ctx, &star_view, &closest);
+    left_behind |= status != BVX_OK && closest != NULL;
+    if (status == BVX_OK) status = bvx_closest_find(ctx, closest, points, QUERIES, found);
+    if (status == BVX_OK) mark = bvx_hash(found, sizeof found, 0);
+    bvx_closest_free(ctx, closest);
+    return status;
+}
+
+static bvx_status carry(void *user, bvx_context *ctx)
+{
+    bvx_mesh target = {0}, before;
+    bvx_status status;
+    (void)user;
+    status = bvxi_mesh_open(ctx, "test", BVX_F64, 0, QUERIES, 0, &target);
+    if (status != BVX_OK) return status;
+    memcpy(target.positions, points, sizeof points);
+    before = target;
+    status = bvx_mesh_carry(ctx, &source, &target);
+    if (status == BVX_OK) mark = bvx_hash(target.colours, QUERIES * 4, bvx_hash(target.uvs, QUERIES * 8, 0));
+    else left_behind |= memcmp(&before, &target, sizeof before) != 0;
+    bvx_mesh_free(ctx, &target);
+    return status;
+}
+
+static bvx_status cast(void *user, bvx_context *ctx)
+{
+    static bvx_ray_hit hits[QUERIES];
+    bvx_status status;
+    (void)user;
+    status = bvx_grid_cast(ctx, &solid, rays, QUERIES, 1e9, hits);
+    if (status == BVX_OK) mark = bvx_hash(hits, sizeof hits, 0);
+    return status;
+}
+
+static bvx_status sample(void *user, bvx_context *ctx)
+{
+    static double values[4 * QUERIES];
+    bvx_status status;
+    (void)user;
+    status = bvx_grid_sample(ctx, &solid, points, QUERIES, values, values + QUERIES);
+    if (status == BVX_OK) mark = bvx_hash(values, sizeof values, 0);
+    return status;
+}
+
+static bvx_status compare(void *user, bvx_context *ctx)
+{
+    static const bvx_grid_difference empty = {0};
+    bvx_grid_difference d;
+    bvx_status status;
+    (void)user;
+    memset(&d, 0x55, sizeof d);
+    status = bvx_grid_compare(ctx, &solid, &other, &d);
+    if (status == BVX_OK) mark = bvx_hash(&d, sizeof d, 0);
+    else left_behind |= memcmp(&d, &empty, sizeof d) != 0;
+    return status;
+}
+
+typedef struct query {
+    const char *name;
+    fault_operation_fn *run;
+    int allocates; /* it takes memory */
+    uint64_t want; /* the mark of a good run */
+} query;
+
+static query queries[] = {
+    {"find", find, 1, 0}, {"carry", carry, 1, 0}, {"cast", cast, 1, 0}, {"sample", sample, 0, 0}, {"compare", compare, 1, 0},
+};
+enum { KINDS = sizeof queries / sizeof queries[0] };
+
+/* A good run always makes the same. */
+static bvx_status run_query(void *user, bvx_context *ctx)
+{
+    const query *const q = user;
+    bvx_status const status = q->run(NULL, ctx);
+    if (status == BVX_OK && mark != q->want) left_behind = 2;
+    return status;
+}
+
+static query *take_query(int i)
+{
+    left_behind = 0;
+    assert_int_equal(queries[i].run(NULL, maker), BVX_OK);
+    queries[i].want = mark;
+    return &queries[i];
+}
+
+static void assert_well(const query *q, const char *wrong)
+{
+    if (wrong != NULL) fail_msg("%s: %s", q->name, wrong);
+    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", q->name);
+    if (left_behind == 2) fail_msg("%s: another result than usual", q->name);
+}
+
+/* ---- Tests ---- */
+
+static void test_every_allocation_of_queries_fails_once(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < KINDS; i++) {
+            query *const q = take_query(i);
+            uint64_t allocations = 0;
+            assert_well(q, fault_every_allocation(run_query, q, &o, &allocations));
+            assert_int_equal(allocations > 0, q->allocates);
+        }
+    }
+}
+
+static void test_queries_cancel_at_every_progress_call(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < KINDS; i++) {
+            query *const q = take_query(i);
+            uint64_t calls = 0;
+            assert_well(q, fault_every_cancel(run_query, q, &o, &calls));
+            assert_true(calls > 0);
+        }
+    }
+}
+
+static void test_queries_under_every_memory_limit(void **state)
+{
+    enum { STEPS = 60 };
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        query *const q = take_query(i);
+        uint64_t need = bvx_memory_used(maker);
+        if (!q->allocates) continue;
+        bvx_memory_reset_peak(maker);
+        assert_int_equal(run_query(q, maker), BVX_OK);
+        assert_int_equal(bvx_memory_used(maker), need);
+        need = bvx_memory_peak(maker) - need;
+        for (uint64_t n = 0; n <= STEPS; n++) {
+            fault_heap heap = {0};
+            bvx_context_options const base = default_options();
+            bvx_context_options o = fault_options(&base, &heap);
+            bvx_context *ctx;
+            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
+            o.threads = 1;
+            ctx = context_with(&o);
+            assert_int_equal(run_query(q, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
+            bvx_context_destroy(ctx);
+            assert_well(q, fault_end(&heap));
+        }
+    }
+}
+
+static void test_queries_live_in_an_arena(void **state)
+{
+    enum { STEPS = 40 };
+    size_t const most = (size_t)1 << 20;
+    unsigned char *const memory = malloc(most);
+    (void)state;
+    assert_non_null(memory);
+    for (int i = 0; i < KINDS; i++) {
+        query *const q = take_query(i);
+        for (size_t n = 1; n <= STEPS; n++) {
+            bvx_context_options o = default_options();
+            bvx_context *ctx;
+            bvx_status first;
+            o.arena = memory;
+            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
+            o.threads = 1;
+            ctx = context_with(&o);
+            first = run_query(q, ctx);
+            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
+            assert_int_equal(run_query(q, ctx), first); /* all of it came back */
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            bvx_context_destroy(ctx);
+        }
+        assert_well(q, NULL);
+    }
+    free(memory);
+}
+
+/* Results that live on while others come and go do not hold the arena's scratch. */
+static void test_a_tree_lives_beside_other_work(void **state)
+{
+    size_t const most = (size_t)1 << 20;
+    unsigned char *const memory = malloc(most);
+    bvx_context_options o = default_options();
+    bvx_context *ctx;
+    bvx_closest *closest = NULL;
+    static bvx_closest_point found[QUERIES];
+    (void)state;
+    assert_non_null(memory);
+    o.arena = memory;
+    o.arena_size = most;
+    o.threads = 1;
+    ctx = context_with(&o);
+    assert_int_equal(bvx_closest_create(ctx, &star_view, &closest), BVX_OK);
+    for (int round = 0; round < 50; round++) assert_int_equal(carry(NULL, ctx), BVX_OK);
+    for (int round = 0; round < 50; round++) assert_int_equal(compare(NULL, ctx), BVX_OK);
+    take_query(0);
+    memset(found, 0, sizeof found);
+    assert_int_equal(bvx_closest_find(ctx, closest, points, QUERIES, found), BVX_OK);
+    assert_true(bvx_hash(found, sizeof found, 0) == queries[0].want);
+    bvx_closest_free(ctx, closest);
+    assert_int_equal(bvx_memory_used(ctx), 0);
+    bvx_context_destroy(ctx);
+    free(memory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_allocation_of_queries_fails_once),
+        cmocka_unit_test(test_queries_cancel_at_every_progress_call),
+        cmocka_unit_test(test_queries_under_every_memory_limit),
+        cmocka_unit_test(test_queries_live_in_an_arena),
+        cmocka_unit_test(test_a_tree_lives_beside_other_work),
+    };
+    return cmocka_run_group_tests(tests, make_inputs, free_inputs);
+}
