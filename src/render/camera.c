@@ -33,6 +33,11 @@ static void camera_normalize(const double v[3], double n[3])
     for (int a = 0; a < 3; a++) n[a] /= length;
 }
 
+void bvxi_camera_move(bvxi_camera *camera, const double low[3], const double high[3])
+{
+    for (int a = 0; a < 3; a++) camera->centre[a] = (low[a] * 0.5 + high[a] * 0.5) * camera->unit;
+}
+
 void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double high[3], const double direction[3],
                       const double up[3])
 {
@@ -44,7 +49,7 @@ void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double hig
         other_half[a] = -half[a];
     }
     camera->unit = bvxi_unit_scale(other_half, half); /* from the model's size: it may be small and far away */
-    for (int a = 0; a < 3; a++) camera->centre[a] = (low[a] * 0.5 + high[a] * 0.5) * camera->unit;
+    bvxi_camera_move(camera, low, high);
     camera_normalize(direction, camera->axis[2]);
     camera_normalize(up, upwards);
     camera_cross(upwards, camera->axis[2], right);

@@ -23,6 +23,9 @@ typedef struct bvxi_camera_extent {
 void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double high[3], const double direction[3],
                       const double up[3]);
 
+/* Turn about the middle of another box, inside the first: less is lost to rounding where only that part is drawn. */
+void bvxi_camera_move(bvxi_camera *camera, const double low[3], const double high[3]);
+
 /* Fit the extremes into a frame of so many samples, with a margin. */
 void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int32_t width, int32_t height);
 
@@ -31,11 +34,18 @@ static inline double bvxi_camera_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Along right, up and towards the eye, of a point of the world [Units: world * unit, from centre]. */
+/* Along right, up and towards the eye [Units: world * unit, from centre], of a point [Units: world * unit]. */
+static inline void bvxi_camera_turn_scaled(const bvxi_camera *c, const double u[3], double q[3])
+{
+    double const d[3] = {u[0] - c->centre[0], u[1] - c->centre[1], u[2] - c->centre[2]};
+    for (int a = 0; a < 3; a++) q[a] = bvxi_camera_dot(c->axis[a], d);
+}
+
+/* The same of a point of the world. */
 static inline void bvxi_camera_turn(const bvxi_camera *c, const double p[3], double q[3])
 {
-    double const d[3] = {p[0] * c->unit - c->centre[0], p[1] * c->unit - c->centre[1], p[2] * c->unit - c->centre[2]};
-    for (int a = 0; a < 3; a++) q[a] = bvxi_camera_dot(c->axis[a], d);
+    double const u[3] = {p[0] * c->unit, p[1] * c->unit, p[2] * c->unit};
+    bvxi_camera_turn_scaled(c, u, q);
 }
 
 /* Right, down and towards the eye in the frame [Units: samples]. */

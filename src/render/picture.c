@@ -4,10 +4,13 @@
  * rows only, so neither threads nor their order show. */
 #include "render/picture.h"
 
+#include <math.h>
+
 enum { PICTURE_SIDE = 16384 };
 
 static const bvx_render_options render_defaults = {
-    0, 1024, 768, {3.0, -4.0, 2.0}, {0.0, 0.0, 1.0}, {200, 196, 188, 0}, {255, 255, 255, 0}, 0, 2};
+    0, 1024, 768, {3.0, -4.0, 2.0}, {0.0, 0.0, 1.0}, {200, 196, 188, 0}, {255, 255, 255, 0}, 0, 2, 0, 0,
+    {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY}, {(double)INFINITY, (double)INFINITY, (double)INFINITY}};
 
 void bvx_render_options_init(bvx_render_options *options, size_t size)
 {
@@ -24,21 +27,52 @@ static bvx_status check_picture_direction(bvx_context *ctx, const char *function
     return BVX_OK;
 }
 
+/* What only pictures from a direction look at. */
+static bvx_status check_picture_view(bvx_context *ctx, const char *function, const bvx_render_options *o)
+{
+    BVXI_TRY(check_picture_direction(ctx, function, "direction", o->direction));
+    BVXI_TRY(check_picture_direction(ctx, function, "up", o->up));
+    if (o->smooth != 0 && o->smooth != 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: smooth is %d, not 0 or 1", function, (int64_t)o->smooth);
+    if (o->wireframe != 0 && o->wireframe != 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: wireframe is %d, not 0 or 1", function, (int64_t)o->wireframe);
+    return BVX_OK;
+}
+
+static bvx_status check_picture_cut(bvx_context *ctx, const char *function, const bvx_render_options *o)
+{
+    static const char *const axis[3] = {"x", "y", "z"};
+    for (int a = 0; a < 3; a++)
+        if (!(o->cut_low[a] <= o->cut_high[a]))
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the cut from %g to %g along %s is no range", function, o->cut_low[a],
+                             o->cut_high[a], axis[a]);
+    return BVX_OK;
+}
+
 static bvx_status check_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *o)
 {
     if (o->width < 1 || o->width > PICTURE_SIDE || o->height < 1 || o->height > PICTURE_SIDE)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a picture of %d x %d pixels is outside 1 to %d a side", function,
                          (int64_t)o->width, (int64_t)o->height, (int64_t)PICTURE_SIDE);
-    BVXI_TRY(check_picture_direction(ctx, function, "direction", o->direction));
-    BVXI_TRY(check_picture_direction(ctx, function, "up", o->up));
     if (o->colour[3] != 0 || o->background[3] != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the fourth byte of a colour is not 0", function);
-    if (o->smooth != 0 && o->smooth != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: smooth is %d, not 0 or 1", function, (int64_t)o->smooth);
     if (o->samples < 1 || o->samples > 4)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %d samples a pixel and side are outside 1 to 4", function,
                          (int64_t)o->samples);
-    return BVX_OK;
+    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not zero", function);
+    return check_picture_cut(ctx, function, o);
+}
+
+bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *given,
+                                const bvx_image *image, int looked_at, bvx_render_options *options)
+{
+    *options = render_defaults;
+    if (image == NULL) return bvxi_fail_null(ctx, function, "image");
+    if (image->pixels != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: image holds pixels already; free or zero it first", function);
+    BVXI_TRY(bvxi_take_options(ctx, function, given, options, sizeof *options));
+    BVXI_TRY(check_picture_options(ctx, function, options));
+    return looked_at ? check_picture_view(ctx, function, options) : BVX_OK;
 }
 
 bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_render_options *options,
@@ -46,12 +80,7 @@ bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_r
 {
     memset(picture, 0, sizeof *picture);
     picture->function = function;
-    picture->options = render_defaults;
-    if (image == NULL) return bvxi_fail_null(ctx, function, "image");
-    if (image->pixels != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: image holds pixels already; free or zero it first", function);
-    BVXI_TRY(bvxi_take_options(ctx, function, options, &picture->options, sizeof picture->options));
-    BVXI_TRY(check_picture_options(ctx, function, &picture->options));
+    BVXI_TRY(bvxi_picture_options(ctx, function, options, image, 1, &picture->options));
     picture->raster.width = picture->options.width * picture->options.samples;
     picture->raster.height = picture->options.height * picture->options.samples;
     picture->raster.fraction_bits = bvxi_raster_fraction_bits(

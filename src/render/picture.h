@@ -11,6 +11,8 @@ enum { BVXI_PICTURE_BAND = 16 /* rows of pixels drawn at once; times 4 samples i
 typedef struct bvxi_seen {
     double normal[3];  /* for the light */
     double tangent[3]; /* square to the plane above which neighbours take ambient light away */
+    double colour[3];  /* 0 to 255 */
+    double light;      /* what the light is multiplied by: below 1 on lines and on cut faces */
     int inside;        /* 1: the eye sees a triangle from behind */
     uint64_t key;      /* what see was asked for last, so that neighbours cost less; 0: nothing yet */
 } bvxi_seen;
@@ -32,7 +34,12 @@ typedef struct bvxi_picture {
     double roughness;     /* neighbours that rise less than this take no light [Units: samples] */
 } bvxi_picture;
 
-/* Check options and image, take them over. */
+/* Check options (direction, up, smooth and wireframe only when they are looked at) and image, and take the options over.
+ * *options is complete: what is not given has its default. */
+bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *given,
+                                const bvx_image *image, int looked_at, bvx_render_options *options);
+
+/* Options for a picture that is seen from a direction. */
 bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_render_options *options,
                              const bvx_image *image, bvxi_picture *picture);
 

@@ -2,37 +2,59 @@
  *
  * Vertices are placed in the frame and snapped once, so triangles that share an edge share it in the picture too.
  * Triangles are sorted into bands of rows, bands are drawn apart with a depth buffer, and what each sample sees (the
- * number of its triangle) is shaded afterwards, once. */
+ * number of its triangle) is shaded afterwards, once.
+ * A cut clips triangles before they are snapped, anew wherever one is drawn: what is left of each fits on the stack. */
 #include "mesh/facet.h"
-#include "mesh/view.h"
-#include "render/picture.h"
-#include "render/triangle_bins.h"
+#include "render/mesh_scene.h"
 
 enum { SCENE_GRAIN = 8192 /* vertices or triangles a piece, at least */ };
 
-#define SCENE_SHARP 0.9 /* cosine between a facet and the mean at its corner below which the edge is meant to be one */
+/* ---- the cut ---- */
 
-/* A vertex in the frame. */
-typedef struct scene_vertex {
-    int32_t x, y; /* right and down [Units: samples * 2^fraction_bits] */
-    float z;      /* towards the eye [Units: samples] */
-} scene_vertex;
+/* Corners of a triangle [Units: world * unit]. */
+static void scaled_corners(const bvxi_mesh_scene *s, uint64_t t, double p[3][3])
+{
+    uint32_t c[3];
+    bvxi_view_triangle(s->view, t, c);
+    for (int k = 0; k < 3; k++) {
+        bvxi_view_position(s->view, c[k], p[k]);
+        for (int a = 0; a < 3; a++) p[k][a] *= s->picture.camera.unit;
+    }
+}
 
-typedef struct mesh_scene {
-    const bvx_mesh_view *view;
-    bvxi_picture picture;
-    int32_t pieces;              /* of the work being done */
-    bvxi_camera_extent *extent;  /* of each piece */
-    scene_vertex *vertex;        /* [Size: view.vertex_count] */
-    float *normal;               /* three for each vertex, length 1 or 0; NULL: flat */
-    bvxi_triangle_bins bins;
-} mesh_scene;
+/* What the cut leaves of a triangle, turned; the number of its corners. */
+static int32_t cut_corners(const bvxi_mesh_scene *s, uint64_t t, double q[BVXI_CUT_MOST][3])
+{
+    double p[3][3];
+    int32_t n;
+    scaled_corners(s, t, p);
+    n = bvxi_cut_triangle(&s->cut, (const double(*)[3])p, q);
+    for (int32_t k = 0; k < n; k++) {
+        double const at[3] = {q[k][0], q[k][1], q[k][2]};
+        bvxi_camera_turn_scaled(&s->picture.camera, at, q[k]);
+    }
+    return n;
+}
+
+/* A box around the whole mesh is no cut; else the camera turns about what is left of the bounds. */
+static void take_scene_cut(bvxi_mesh_scene *s, double low[3], double high[3])
+{
+    const bvx_render_options *const o = &s->picture.options;
+    for (int a = 0; a < 3; a++) {
+        s->cut.low[a] = o->cut_low[a] * s->picture.camera.unit;
+        s->cut.high[a] = o->cut_high[a] * s->picture.camera.unit;
+        s->cut.on |= o->cut_low[a] > low[a] || o->cut_high[a] < high[a];
+        if (o->cut_low[a] > low[a] && o->cut_low[a] < high[a]) low[a] = o->cut_low[a];
+        if (o->cut_high[a] < high[a] && o->cut_high[a] > low[a]) high[a] = o->cut_high[a];
+    }
+    if (s->cut.on) bvxi_camera_move(&s->picture.camera, low, high);
+}
 
 /* ---- where the mesh lies in the view ---- */
 
 static void extent_of_piece(void *user, int32_t index, int32_t worker)
 {
-    const mesh_scene *const s = user;
+    const bvxi_mesh_scene *const s = user;
     bvxi_camera_extent e = bvxi_camera_nothing;
     uint64_t begin, end;
     uint32_t c[3];
@@ -40,6 +62,12 @@ static void extent_of_piece(void *user, int32_t index, int32_t worker)
     (void)worker;
     bvxi_piece(s->view->triangle_count, s->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
+        if (s->cut.on) {
+            double left[BVXI_CUT_MOST][3];
+            int32_t const n = cut_corners(s, t, left);
+            for (int32_t k = 0; k < n; k++) bvxi_camera_extent_add(&e, left[k]);
+            continue;
+        }
         bvxi_view_triangle(s->view, t, c);
         for (int k = 0; k < 3; k++) {
             bvxi_view_position(s->view, c[k], p);
@@ -50,7 +78,7 @@ static void extent_of_piece(void *user, int32_t index, int32_t worker)
     s->extent[index] = e;
 }
 
-static bvx_status fit_scene(bvx_context *ctx, mesh_scene *s)
+static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     bvxi_camera_extent all = bvxi_camera_nothing;
     uint64_t size;
@@ -62,6 +90,7 @@ static bvx_status fit_scene(bvx_context *ctx, mesh_scene *s)
     for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
     bvxi_free(ctx, s->extent, size);
     BVXI_TRY(status);
+    if (all.low[0] > all.high[0]) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
     bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
     return BVX_OK;
 }
@@ -78,7 +107,7 @@ static int32_t snap_in_frame(double v, int32_t side, int32_t bits)
 
 static void place_piece(void *user, int32_t index, int32_t worker)
 {
-    const mesh_scene *const s = user;
+    const bvxi_mesh_scene *const s = user;
     const bvxi_raster *const r = &s->picture.raster;
     uint64_t begin, end;
     double p[3], q[3], at[3];
@@ -94,8 +123,9 @@ static void place_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-static bvx_status place_vertices(bvx_context *ctx, mesh_scene *s)
+static bvx_status place_vertices(bvx_context *ctx, bvxi_mesh_scene *s)
 {
+    if (s->cut.on) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->view->vertex_count * sizeof *s->vertex, "the picture's vertices", &s->vertex));
     s->pieces = bvxi_piece_count(s->view->vertex_count, SCENE_GRAIN);
     return bvxi_parallel(ctx, "render", 0.05, 0.1, s->pieces, place_piece, s);
@@ -104,30 +134,70 @@ static bvx_status place_vertices(bvx_context *ctx, mesh_scene *s)
 /* ---- triangles ---- */
 
 /* Corners in the camera's axes: right, up and towards the eye [Units: samples]. */
-static void scene_corners(const mesh_scene *s, uint32_t t, uint32_t c[3], double p[3][3])
+void bvxi_mesh_scene_corners(const bvxi_mesh_scene *s, uint32_t t, uint32_t c[3], double p[3][3])
 {
     double const part = 1.0 / (double)((int64_t)1 << s->picture.raster.fraction_bits);
     bvxi_view_triangle(s->view, t, c);
-    for (int k = 0; k < 3; k++) {
-        const scene_vertex *const v = &s->vertex[c[k]];
+    for (int k = 0; k < 3 && s->cut.on; k++) { /* corners that are cut off have no place in the frame */
+        double at[3], q[3];
+        bvxi_view_position(s->view, c[k], at);
+        bvxi_camera_turn(&s->picture.camera, at, q);
+        bvxi_camera_place(&s->picture.camera, q, p[k]);
+        p[k][1] = -p[k][1];
+    }
+    for (int k = 0; k < 3 && !s->cut.on; k++) {
+        const bvxi_scene_vertex *const v = &s->vertex[c[k]];
         p[k][0] = (double)v->x * part;
         p[k][1] = (double)v->y * -part;
         p[k][2] = (double)v->z;
     }
 }
 
+/* What the cut leaves of a triangle, in the frame: corners for the raster, the plane but for its slopes. */
+static int32_t place_cut_triangle(const bvxi_mesh_scene *s, uint32_t t, int32_t corner[BVXI_CUT_MOST][2],
+                                  bvxi_raster_plane *plane)
+{
+    const bvxi_raster *const r = &s->picture.raster;
+    double q[BVXI_CUT_MOST][3], at[3];
+    int32_t const n = cut_corners(s, t, q);
+    for (int32_t k = 0; k < n; k++) {
+        bvxi_camera_place(&s->picture.camera, q[k], at);
+        corner[k][0] = snap_in_frame(at[0], r->width, r->fraction_bits);
+        corner[k][1] = snap_in_frame(at[1], r->height, r->fraction_bits);
+        if (k == 0) {
+            plane->x = at[0];
+            plane->y = at[1];
+            plane->z = at[2];
+        }
+        plane->low = k == 0 || at[2] < plane->low ? at[2] : plane->low;
+        plane->high = k == 0 || at[2] > plane->high ? at[2] : plane->high;
+    }
+    return n;
+}
+
 static int bands_of_triangle(const void *user, uint32_t t, int32_t *first, int32_t *last)
 {
-    const mesh_scene *const s = user;
+    const bvxi_mesh_scene *const s = user;
     int32_t const bits = s->picture.raster.fraction_bits, rows = BVXI_PICTURE_BAND * s->picture.options.samples;
     int32_t const bottom = s->picture.raster.height - 1;
     uint32_t c[3];
     int32_t low = INT32_MAX, high = 0;
-    bvxi_view_triangle(s->view, t, c);
-    for (int k = 0; k < 3; k++) {
-        int32_t const y = s->vertex[c[k]].y;
-        low = y < low ? y : low;
-        high = y > high ? y : high;
+    if (s->cut.on) {
+        int32_t corner[BVXI_CUT_MOST][2];
+        bvxi_raster_plane plane;
+        int32_t const n = place_cut_triangle(s, t, corner, &plane);
+        if (n == 0) return 0;
+        for (int32_t k = 0; k < n; k++) {
+            low = corner[k][1] < low ? corner[k][1] : low;
+            high = corner[k][1] > high ? corner[k][1] : high;
+        }
+    } else {
+        bvxi_view_triangle(s->view, t, c);
+        for (int k = 0; k < 3; k++) {
+            int32_t const y = s->vertex[c[k]].y;
+            low = y < low ? y : low;
+            high = y > high ? y : high;
+        }
     }
     if (low == high) return 0;
     high >>= bits;
@@ -136,15 +206,22 @@ static int bands_of_triangle(const void *user, uint32_t t, int32_t *first, int32
     return 1;
 }
 
-static void draw_scene_triangle(const mesh_scene *s, const bvxi_raster *raster, bvxi_raster_rows rows, uint32_t t)
+static void draw_scene_triangle(const bvxi_mesh_scene *s, const bvxi_raster *raster, bvxi_raster_rows rows, uint32_t t)
 {
     uint32_t c[3];
     double p[3][3], n[3];
-    int32_t corner[3][2];
+    int32_t corner[BVXI_CUT_MOST][2];
     bvxi_raster_plane plane;
-    scene_corners(s, t, c, p);
+    bvxi_mesh_scene_corners(s, t, c, p);
     bvxi_facet_normal((const double(*)[3])p, n);
     if (n[2] == 0.0) return; /* seen along its edge: covers no sample */
+    plane.dx = -n[0] / n[2];
+    plane.dy = n[1] / n[2];
+    if (s->cut.on) {
+        int32_t const left = place_cut_triangle(s, t, corner, &plane);
+        if (left > 0) bvxi_raster_polygon(raster, rows, (const int32_t(*)[2])corner, left, &plane, t + 1);
+        return;
+    }
     for (int k = 0; k < 3; k++) {
         corner[k][0] = s->vertex[c[k]].x;
         corner[k][1] = s->vertex[c[k]].y;
@@ -152,8 +229,6 @@ static void draw_scene_triangle(const mesh_scene *s, const bvxi_raster *raster, 
     plane.x = p[0][0];
     plane.y = -p[0][1];
     plane.z = p[0][2];
-    plane.dx = -n[0] / n[2];
-    plane.dy = n[1] / n[2];
     plane.low = p[0][2];
     plane.high = p[0][2];
     for (int k = 1; k < 3; k++) {
@@ -165,92 +240,23 @@ static void draw_scene_triangle(const mesh_scene *s, const bvxi_raster *raster, 
 
 static void draw_scene_rows(const void *user, const bvxi_raster *raster, bvxi_raster_rows rows)
 {
-    const mesh_scene *const s = user;
+    const bvxi_mesh_scene *const s = user;
     int32_t const band = rows.begin / (BVXI_PICTURE_BAND * s->picture.options.samples);
     for (uint64_t i = s->bins.begin[band]; i < s->bins.begin[band + 1]; i++)
         draw_scene_triangle(s, raster, rows, s->bins.triangle[i]);
 }
 
-/* ---- normals ---- */
-
-static double scene_unit(double n[3])
-{
-    double const length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (length > 0.0)
-        for (int a = 0; a < 3; a++) n[a] /= length;
-    return length;
-}
-
-/* The mean of the facets around, each counting by its area; in the order of triangles, so on one thread. */
-static bvx_status average_normals(bvx_context *ctx, mesh_scene *s)
-{
-    double p[3][3], n[3];
-    uint32_t c[3];
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->view->vertex_count * 12, "the picture's normals", &s->normal));
-    for (uint64_t t = 0; t < s->view->triangle_count; t++) {
-        scene_corners(s, (uint32_t)t, c, p);
-        bvxi_facet_normal((const double(*)[3])p, n);
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++) s->normal[(size_t)c[k] * 3 + (size_t)a] += (float)n[a];
-    }
-    return BVX_OK;
-}
-
-/* Blend the corners' normals by the areas across from them into n. flat is the facet's own, which stands in where a
- * corner's mean is far from it, so sharp edges stay sharp. */
-static void blend_normals(const mesh_scene *s, const uint32_t c[3], const double p[3][3], double x, double y,
-                          const double flat[3], double n[3])
-{
-    double blend[3] = {0.0, 0.0, 0.0}, whole = 0.0;
-    for (int k = 0; k < 3; k++) {
-        const double *const a = p[(k + 1) % 3], *const b = p[(k + 2) % 3];
-        double const area = (a[0] - x) * (b[1] - y) - (b[0] - x) * (a[1] - y);
-        double m[3];
-        for (int i = 0; i < 3; i++) m[i] = (double)s->normal[(size_t)c[k] * 3 + (size_t)i];
-        int const sharp = scene_unit(m) == 0.0 || bvxi_camera_dot(m, flat) < SCENE_SHARP;
-        for (int i = 0; i < 3; i++) blend[i] += area * (sharp ? flat[i] : m[i]);
-        whole += area; /* negative where the facet is seen from behind: so are all three */
-    }
-    if (whole < 0.0)
-        for (int i = 0; i < 3; i++) blend[i] = -blend[i];
-    if (scene_unit(blend) > 0.0) memcpy(n, blend, sizeof blend);
-}
-
-static void see_triangle(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y, bvxi_seen *seen)
-{
-    const mesh_scene *const s = user;
-    uint32_t c[3];
-    double p[3][3], n[3];
-    (void)raster;
-    if (s->normal == NULL && seen->key == id) return;
-    seen->key = id;
-    scene_corners(s, id - 1, c, p);
-    bvxi_facet_normal((const double(*)[3])p, n);
-    scene_unit(n);
-    memcpy(seen->normal, n, sizeof n);
-    if (s->normal != NULL) blend_normals(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), n, seen->normal);
-    seen->inside = n[2] < 0.0;
-    for (int a = 0; a < 3; a++) {
-        seen->tangent[a] = seen->inside ? -n[a] : n[a];
-        seen->normal[a] = seen->inside ? -seen->normal[a] : seen->normal[a];
-    }
-    if (seen->normal[2] < 0.0) { /* turned away from the eye though the facet is not */
-        seen->normal[2] = 0.0;
-        scene_unit(seen->normal);
-    }
-}
-
 /* ---- the whole ---- */
 
-static bvx_status make_scene(bvx_context *ctx, mesh_scene *s)
+static bvx_status make_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     int32_t const bands = (s->picture.options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
     BVXI_TRY(fit_scene(ctx, s));
     BVXI_TRY(place_vertices(ctx, s));
     BVXI_TRY(bvxi_triangle_bins_open(ctx, s->view->triangle_count, bands, bands_of_triangle, s, &s->bins));
-    if (s->picture.options.smooth) BVXI_TRY(average_normals(ctx, s));
+    if (s->picture.options.smooth) BVXI_TRY(bvxi_mesh_scene_normals(ctx, s));
     s->picture.draw = draw_scene_rows;
-    s->picture.see = see_triangle;
+    s->picture.see = bvxi_mesh_scene_see;
     s->picture.model = s;
     return bvxi_picture_make(ctx, &s->picture);
 }
@@ -259,7 +265,7 @@ bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh, cons
                            bvx_image *image)
 {
     static const char *const function = "bvx_render_mesh";
-    mesh_scene s;
+    bvxi_mesh_scene s;
     double low[3], high[3];
     bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -271,6 +277,7 @@ bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh, cons
     if (low[0] == high[0] && low[1] == high[1] && low[2] == high[2])
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: all vertices lie at one point", function);
     bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.direction, s.picture.options.up);
+    take_scene_cut(&s, low, high);
     status = make_scene(context, &s);
     bvxi_free(context, s.normal, mesh->vertex_count * 12);
     bvxi_triangle_bins_close(context, &s.bins);

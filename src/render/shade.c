@@ -23,6 +23,7 @@ static const double shade_inside[3] = {1.0, 0.74, 0.64}; /* times the colour */
 
 typedef struct shade_tap {
     int32_t dx, dy;
+    double x, y, length2; /* the same as numbers, and x^2 + y^2 */
 } shade_tap;
 
 struct bvxi_shade {
@@ -31,6 +32,7 @@ struct bvxi_shade {
     double reach2;                            /* square of the reach [Units: samples^2] */
     double jump;                              /* [Units: samples] */
     double light[3];
+    int32_t reach;                            /* no tap is farther away along a side [Units: samples] */
     shade_tap tap[16][SHADE_MOST_TAPS];       /* of each of a pixel's samples: directions, each with its steps */
 };
 
@@ -73,6 +75,9 @@ static void shade_taps(bvxi_shade *s, int32_t patterns, double reach)
                 double const length = share * share * reach < 1.0 ? 1.0 : share * share * reach;
                 tap->dx = shade_offset(way[0] * length);
                 tap->dy = shade_offset(way[1] * length);
+                tap->x = tap->dx;
+                tap->y = tap->dy;
+                tap->length2 = tap->x * tap->x + tap->y * tap->y;
             }
         }
     }
@@ -89,6 +94,7 @@ bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_s
     s->picture = picture;
     s->directions = directions[picture->options.samples];
     s->reach2 = side * SHADE_REACH * side * SHADE_REACH;
+    s->reach = (int32_t)(side * SHADE_REACH) + 2;
     s->jump = side * SHADE_JUMP + 3.0 * picture->roughness;
     for (int a = 0; a < 3; a++) s->light[a] = shade_light[a] / length;
     shade_taps(s, picture->options.samples * picture->options.samples, side * SHADE_REACH);
@@ -108,18 +114,20 @@ static double shade_occlusion(const bvxi_shade *s, int32_t x, int32_t y, int32_t
 {
     const bvxi_raster *const r = &s->picture->raster;
     const shade_tap *ray = s->tap[pattern];
+    double const roughness = s->picture->roughness;
     double const z = (double)r->depth[(size_t)y * (size_t)r->width + (size_t)x];
+    int const inner = x >= s->reach && y >= s->reach && x < r->width - s->reach && y < r->height - s->reach;
     double sum = 0.0;
     for (int32_t d = 0; d < s->directions; d++, ray += SHADE_STEPS) {
         double most = 0.0;
         for (int32_t k = 0; k < SHADE_STEPS; k++) {
             const shade_tap *const tap = ray + k;
             int32_t const tx = x + tap->dx, ty = y + tap->dy;
-            if (tx < 0 || ty < 0 || tx >= r->width || ty >= r->height) break; /* the steps behind it are outside too */
+            if (!inner && (tx < 0 || ty < 0 || tx >= r->width || ty >= r->height)) break; /* so are the steps behind it */
             double const dz = (double)r->depth[(size_t)ty * (size_t)r->width + (size_t)tx] - z;
-            double const rise = n[0] * tap->dx - n[1] * tap->dy + n[2] * dz - s->picture->roughness;
+            double const rise = n[0] * tap->x - n[1] * tap->y + n[2] * dz - roughness;
             if (rise > 0.0) {
-                double const length2 = (double)tap->dx * tap->dx + (double)tap->dy * tap->dy + dz * dz;
+                double const length2 = tap->length2 + dz * dz;
                 double const fade = 1.0 - length2 / s->reach2;
                 double const sine2 = rise * rise / length2;
                 if (fade > 0.0 && sine2 > SHADE_LEAST_RISE * SHADE_LEAST_RISE && sine2 * fade * fade > most)
@@ -161,7 +169,7 @@ static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t 
 
 static uint8_t shade_byte(double v)
 {
-    return v <= 0.0 ? 0 : v >= 254.5 ? 255 : (uint8_t)(v + 0.5);
+    return (uint8_t)(v <= 0.0 ? 0.0 : v >= 254.5 ? 255.0 : v + 0.5);
 }
 
 static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *seen, uint8_t *pixel)
@@ -177,9 +185,10 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
             for (int a = 0; a < 3; a++) sum[a] += p->options.background[a];
             continue;
         }
-        p->see(p->model, r, id, x, y, seen);
-        double const strength = shade_strength(s, x, y, k, seen);
-        for (int a = 0; a < 3; a++) sum[a] += p->options.colour[a] * strength * (seen->inside ? shade_inside[a] : 1.0);
+        bvxi_seen *const here = seen + k / side; /* a row of samples goes from neighbour to neighbour */
+        p->see(p->model, r, id, x, y, here);
+        double const strength = shade_strength(s, x, y, k, here) * here->light;
+        for (int a = 0; a < 3; a++) sum[a] += here->colour[a] * strength * (here->inside ? shade_inside[a] : 1.0);
     }
     for (int a = 0; a < 3; a++) pixel[a] = shade_byte(sum[a] / (side * side));
 }
@@ -187,9 +196,9 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
 void bvxi_shade_rows(const bvxi_shade *shade, int32_t begin, int32_t end)
 {
     const bvx_image *const image = &shade->picture->image;
-    bvxi_seen seen;
-    memset(&seen, 0, sizeof seen);
+    bvxi_seen seen[4]; /* of each row of a pixel's samples */
+    memset(seen, 0, sizeof seen);
     for (int32_t y = begin; y < end; y++)
         for (int32_t x = 0; x < image->width; x++)
-            shade_pixel(shade, x, y, &seen, image->pixels + ((size_t)y * (size_t)image->width + (size_t)x) * 3);
+            shade_pixel(shade, x, y, seen, image->pixels + ((size_t)y * (size_t)image->width + (size_t)x) * 3);
 }
