@@ -10,12 +10,15 @@ UNITY_DIR ?= $(BUILD)/unity
 OPENMP ?= 1
 ZLIB ?= 1
 WERROR ?= 0
+PREFIX ?= /usr/local
+LIBDIR ?= $(PREFIX)/lib
+DESTDIR ?=
 DEMO ?= fixtures/knot.ply
 
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo test test-quick deps san golden bench clean force \
+.PHONY: all help demo test test-quick deps san golden bench install uninstall amalgamation clean force \
         print-folder library program test-programs fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -23,6 +26,7 @@ all: library program
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
 	@echo "  variables: CC CFLAGS CPPFLAGS LDFLAGS BUILD OPENMP=0 ZLIB=0 WERROR=1 V=1 (show commands)"
+	@echo "             PREFIX LIBDIR DESTDIR (install)"
 
 clean: ## remove everything that was built
 	rm -rf $(BUILD)
@@ -70,7 +74,10 @@ strict := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion
 base := $(CPPFLAGS) $(CFLAGS) $(strict) $(exact) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc
 libs := $(openmp) -lm
 
-soname := libbitvox.so.$(shell sed -n 's/^.define BVX_VERSION_MAJOR //p' include/bitvox.h)
+# Before 1.0 a minor version may change the interface, so it is part of the soname.
+number = $(shell sed -n 's/^.define BVX_VERSION_$(1) //p' include/bitvox.h)
+version := $(call number,MAJOR).$(call number,MINOR).$(call number,PATCH)
+soname := libbitvox.so.$(call number,MAJOR)$(if $(filter 0,$(call number,MAJOR)),.$(call number,MINOR))
 threads := $(call accepts,-pthread)
 link_shared := -shared $(call accepts,-Wl$(comma)-soname$(comma)$(soname))
 
@@ -169,6 +176,45 @@ $(folder)/tests/%: $(folder)/tests/%.o $(archive)
 
 print-folder:
 	@echo $(folder)
+
+# ---- Packaging ----
+
+# Static linking needs what the library was built with.
+$(BUILD)/bitvox.pc: include/bitvox.h force
+	@{ echo 'prefix=$(PREFIX)'; \
+	echo 'libdir=$(if $(filter $(PREFIX)/%,$(LIBDIR)),$${prefix}$(LIBDIR:$(PREFIX)%=%),$(LIBDIR))'; \
+	echo 'includedir=$${prefix}/include'; echo; \
+	echo 'Name: bitvox'; echo 'Description: Shapes to bit-packed voxels and voxels to closed meshes, exactly'; \
+	echo 'Version: $(version)'; echo 'Cflags: -I$${includedir}'; echo 'Libs: -L$${libdir} -lbitvox'; \
+	echo 'Libs.private: $(strip $(libs))'; } >$@.made; cmp -s $@.made $@ || cp $@.made $@; rm -f $@.made
+
+# What the program says about itself.
+pages := $(BUILD)/bitvox.1 $(BUILD)/bitvox.bash
+$(BUILD)/bitvox.1: $(BUILD)/bitvox
+	@$(BUILD)/bitvox help --man >$@
+$(BUILD)/bitvox.bash: $(BUILD)/bitvox
+	@$(BUILD)/bitvox help --bash-completion >$@
+
+put = $(call say,INSTALL,$(DESTDIR)$(2)) mkdir -p $(call quote,$(DESTDIR)$(dir $(2))) && install -m $(3) $(1) $(call quote,$(DESTDIR)$(2))
+completions := $(PREFIX)/share/bash-completion/completions
+
+install: all $(BUILD)/bitvox.pc $(pages) ## library, header, bitvox.pc, program, man page, completion
+	$(call put,include/bitvox.h,$(PREFIX)/include/bitvox.h,644)
+	$(call put,$(BUILD)/libbitvox.a,$(LIBDIR)/libbitvox.a,644)
+	$(call put,$(BUILD)/libbitvox.so,$(LIBDIR)/libbitvox.so.$(version),755)
+	@ln -sf libbitvox.so.$(version) $(call quote,$(DESTDIR)$(LIBDIR)/$(soname))
+	@ln -sf $(soname) $(call quote,$(DESTDIR)$(LIBDIR)/libbitvox.so)
+	$(call put,$(BUILD)/bitvox.pc,$(LIBDIR)/pkgconfig/bitvox.pc,644)
+	$(call put,$(BUILD)/bitvox,$(PREFIX)/bin/bitvox,755)
+	$(call put,$(BUILD)/bitvox.1,$(PREFIX)/share/man/man1/bitvox.1,644)
+	$(call put,$(BUILD)/bitvox.bash,$(completions)/bitvox,644)
+
+uninstall: ## remove what install put there
+	rm -f $(addprefix $(DESTDIR),$(PREFIX)/include/bitvox.h $(addprefix $(LIBDIR)/,libbitvox.a libbitvox.so $(soname) \
+	    libbitvox.so.$(version) pkgconfig/bitvox.pc) $(PREFIX)/bin/bitvox $(PREFIX)/share/man/man1/bitvox.1 $(completions)/bitvox)
+
+amalgamation: ## build/bitvox.c and build/bitvox.h: the library as one source file
+	@sh src/amalgamate.sh $(BUILD) && echo "$(BUILD)/bitvox.c $(BUILD)/bitvox.h"
 
 # ---- Running ----
 

@@ -84,6 +84,53 @@ includes() {
     empty "$work/includes.txt" 'forbidden include'
 }
 
+# One file of all sources, without warnings, and a program that uses it through its header as C++.
+amalgamation() {
+    sh src/amalgamate.sh "$work/one" || return 1
+    # shellcheck disable=SC2086
+    $CC -std=c99 -O2 $strict -ffp-contract=off -c "$work/one/bitvox.c" -o "$work/one/bitvox.o" || return 1
+    cat >"$work/one/use.c" <<'END'
+#include "bitvox.h"
+int main(void)
+{
+    bvx_context *ctx = 0;
+    if (bvx_context_create(0, &ctx) != BVX_OK) return 1;
+    bvx_context_destroy(ctx);
+    return 0;
+}
+END
+    $CC -std=c99 "$work/one/use.c" "$work/one/bitvox.o" -lm -o "$work/one/use" && "$work/one/use" || return 1
+    if command -v g++ >/dev/null 2>&1; then
+        g++ -x c++ -Wall -Wextra -Werror "$work/one/use.c" -x none "$work/one/bitvox.o" -lm -o "$work/one/use++" && "$work/one/use++"
+    fi
+}
+
+# Contracted products would change results: such a build says so and does nothing.
+contraction_is_refused() {
+    grep -q -w fma /proc/cpuinfo 2>/dev/null || { echo "no processor with fused products" && exit 77; }
+    $CC -std=gnu99 -O2 -mfma -ffp-contract=fast -c "$work/one/bitvox.c" -o "$work/one/fused.o" || return 1
+    $CC -std=c99 "$work/one/use.c" "$work/one/fused.o" -lm -o "$work/one/fused" || return 1
+    ! "$work/one/fused"
+}
+
+# Microsoft's compiler has no attributes, no builtins and no __int128; clang with its target takes those paths.
+compiles_for_windows() {
+    needs clang
+    echo 'int main(void) { return 0; }' >"$work/none.c"
+    clang --target=x86_64-pc-windows-msvc -fsyntax-only "$work/none.c" || { echo "clang knows no such target" && exit 77; }
+    for target in x86_64-pc-windows-msvc i686-pc-windows-msvc aarch64-pc-windows-msvc; do
+        # shellcheck disable=SC2086
+        clang --target=$target -std=c99 -O2 $strict -ffp-contract=off -isystem tests/tools/msvc -fsyntax-only \
+            "$work/one/bitvox.c" || return 1
+    done
+}
+
+struct_offsets() {
+    [ "$(getconf LONG_BIT 2>/dev/null)" = 64 ] || { echo "the stored offsets are those of 64-bit machines" && exit 77; }
+    # shellcheck disable=SC2086
+    sh tests/tools/struct_offsets.sh $CC | diff -u tests/golden/offsets.txt -
+}
+
 tables_as_generated() {
     needs python3
     sh tests/tools/check_tables.sh
@@ -120,7 +167,7 @@ no_globals() {
 
 shared_name() {
     needs readelf
-    readelf -d "$BUILD/libbitvox.so" | grep 'soname: \[libbitvox\.so\.[0-9]*\]'
+    readelf -d "$BUILD/libbitvox.so" | grep 'soname: \[libbitvox\.so\.[0-9.]*\]'
 }
 
 no_executable_stack() {
@@ -140,6 +187,9 @@ check 'header alone as C++' header_as g++ -std=c++11 -x c++
 check 'header alone as C++ by clang' header_as clang++ -std=c++11 -x c++
 check 'README example' readme_example
 check 'all sources as one unit' as_one_unit
+check 'amalgamation' amalgamation
+check 'contracted products are refused' contraction_is_refused
+check 'core compiles for Windows' compiles_for_windows
 check 'core is freestanding' freestanding
 check 'core includes' includes
 check 'case table is what its generator prints' tables_as_generated
@@ -147,6 +197,7 @@ check 'file names are unique' file_names_unique
 check 'fast-math is refused' refuses_fast_math
 check 'functions of the header are exported' exports_the_header
 check 'exported symbols as stored' only_stored_symbols
+check 'struct offsets as stored' struct_offsets
 check 'global names of the static library' static_names
 check 'no writable globals' no_globals
 check 'soname' shared_name

@@ -1,5 +1,5 @@
 #!/bin/sh
-# rewrite_golden.sh PROGRAM BUILD - recompute fixtures/golden/ and the list of symbols, and show what changed.
+# rewrite_golden.sh PROGRAM BUILD - recompute fixtures/golden/, the list of symbols and the struct offsets, and show what changed.
 # A change of golden values is a deliberate act: say in the commit why.
 set -eu
 program=$1
@@ -7,11 +7,12 @@ build=$2
 before=$build/golden-before
 rm -rf "$before"
 mkdir -p "$before" fixtures/golden
-cp fixtures/golden/*.txt tests/golden/symbols.txt "$before" 2>/dev/null || true
+cp fixtures/golden/*.txt tests/golden/*.txt "$before" 2>/dev/null || true
 "$program" --write
 sh tests/tools/list_symbols.sh "$build/libbitvox.so" >tests/golden/symbols.txt
+sh tests/tools/struct_offsets.sh "${CC:-cc}" >tests/golden/offsets.txt
 changed=0
-for f in fixtures/golden/*.txt tests/golden/symbols.txt; do
+for f in fixtures/golden/*.txt tests/golden/*.txt; do
     old=$before/$(basename "$f")
     [ -f "$old" ] || old=/dev/null
     diff -u "$old" "$f" || changed=1

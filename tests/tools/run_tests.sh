@@ -100,9 +100,14 @@ run_fuzz() {
     done
 }
 
+# Examples in C are programs, those of the command line are scripts that take the program from BITVOX.
 run_examples() {
+    export BITVOX="$BUILD/bitvox"
     for source in tests/examples/*.c; do
         if [ -f "$source" ]; then check "example/$(basename "$source" .c)" $limit "$folder/${source%.c}"; fi
+    done
+    for source in tests/examples/*.sh; do
+        if [ -f "$source" ]; then check "example/$(basename "$source")" $limit sh "$source"; fi
     done
 }
 

@@ -1,0 +1,33 @@
+#!/bin/sh
+# struct_offsets.sh CC - size of every public struct and offset of every field, one a line, as this compiler lays them out.
+# The fields are read from include/bitvox.h, so none is forgotten. Run from the repository root.
+set -eu
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+{
+    echo '#include "bitvox.h"'
+    echo '#include <stdio.h>'
+    echo 'int main(void) {'
+    sed 's|/\*\*<.*||; s|^ *\*.*||; s|/\*.*\*/||' include/bitvox.h | awk '
+        /^typedef struct bvx_[a-z0-9_]* \{/ {
+            name = $3
+            print "printf(\"%s %u\\n\", \"" name "\", (unsigned)sizeof(" name "));"
+            on = 1
+            next
+        }
+        on && /^\}/ { on = 0 }
+        on && /;/ {
+            line = $0
+            sub(/;.*/, "", line)
+            sub(/^ *(const )?[a-zA-Z0-9_]+ +/, "", line)
+            n = split(line, field, ",")
+            for (i = 1; i <= n; i++) {
+                sub(/\[.*/, "", field[i])
+                gsub(/[* ]/, "", field[i])
+                print "printf(\"  %s.%s %u\\n\", \"" name "\", \"" field[i] "\", (unsigned)offsetof(" name ", " field[i] "));"
+            }
+        }'
+    echo 'return 0; }'
+} >"$work/offsets.c"
+"$@" -std=c99 -Iinclude "$work/offsets.c" -o "$work/offsets"
+"$work/offsets"
