@@ -11,6 +11,8 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+static const int32_t formats[4] = {BVX_FORMAT_STL, BVX_FORMAT_OBJ, BVX_FORMAT_PLY, BVX_FORMAT_OFF};
+
 enum { FUZZ_MEMORY = 16 << 20 };
 
 static void fuzz_require(int good, const char *what)
@@ -32,6 +34,20 @@ static void fuzz_check_mesh(const bvx_mesh *m)
     }
 }
 
+/* Colours and texture coordinates of exact size; numbers into them in range. */
+static void fuzz_check_attributes(const bvx_mesh *m)
+{
+    volatile uint8_t last = 0;
+    if (m->colours != NULL) last = m->colours[m->vertex_capacity * 4 - 1];
+    (void)last;
+    fuzz_require(m->uvs != NULL || (m->uv_count == 0 && m->uv_triangles == NULL), "texture numbers without coordinates");
+    if (m->uvs == NULL) return;
+    fuzz_require(m->uv_triangles != NULL || m->uv_count == m->vertex_capacity, "texture coordinates of another count");
+    for (uint64_t i = 0; i < m->uv_count * 2; i++) fuzz_require(m->uvs[i] - m->uvs[i] == 0.0f, "a texture coordinate that is not finite");
+    for (uint64_t i = 0; m->uv_triangles != NULL && i < m->triangle_count * 3; i++)
+        fuzz_require(m->uv_triangles[i] < m->uv_count, "a texture number out of range");
+}
+
 /* What was read is written and read again to the same bytes: PLY keeps all of a mesh, OBJ all of doubles. */
 static void fuzz_check_writing(bvx_context *ctx, const bvx_mesh *m)
 {
@@ -46,6 +62,9 @@ static void fuzz_check_writing(bvx_context *ctx, const bvx_mesh *m)
                      back.position_type == m->position_type && memcmp(back.positions, m->positions, bytes) == 0 &&
                      memcmp(back.triangles, m->triangles, (size_t)m->triangle_count * 12) == 0,
                  "a mesh that changed by writing and reading");
+    fuzz_require((back.colours != NULL) == (m->colours != NULL) && (back.uvs != NULL) == (m->uvs != NULL), "colours or texture coordinates lost");
+    if (m->colours != NULL && format == BVX_FORMAT_PLY)
+        fuzz_require(memcmp(back.colours, m->colours, (size_t)m->vertex_count * 4) == 0, "colours that changed");
     bvx_mesh_free(ctx, &back);
     bvx_buffer_free(ctx, &b);
 }
@@ -57,13 +76,15 @@ static int32_t fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int
     bvx_status const status = bvx_read_mesh(ctx, file, size, format, &m);
     if (status == BVX_OK) {
         fuzz_check_mesh(&m);
+        fuzz_check_attributes(&m);
         fuzz_check_writing(ctx, &m);
     } else {
         const char *const message = bvx_last_message(ctx);
         fuzz_require(memcmp(&m, &empty, sizeof m) == 0, "a result behind an error");
         fuzz_require(strlen(message) > 10 && strchr(message, '\n') == NULL, "an error without a line of words");
         fuzz_require(status == BVX_ERR_FORMAT || status == BVX_ERR_RANGE || status == BVX_ERR_EMPTY ||
-                         status == BVX_ERR_BUDGET, "an error of another kind");
+                         status == BVX_ERR_BUDGET || status == BVX_ERR_UNSUPPORTED,
+                     message);
     }
     bvx_mesh_free(ctx, &m);
     fuzz_require(bvx_memory_used(ctx) == 0, "memory that is not given back");
@@ -84,14 +105,14 @@ static bvx_context *fuzz_context(void)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     bvx_context *const ctx = fuzz_context();
-    if (size > 0) fuzz_read(ctx, data + 1, size - 1, BVX_FORMAT_STL + data[0] % 3);
+    if (size > 0) fuzz_read(ctx, data + 1, size - 1, formats[data[0] % 4]);
     bvx_context_destroy(ctx);
     return 0;
 }
 
 #if defined(BVX_FUZZ_MAIN)
 
-enum { FUZZ_SEED_SIZE = 1200, FUZZ_SIZE = 4096 };
+enum { FUZZ_SEED_SIZE = 1200, FUZZ_SIZE = 4096, SEEDS = 10 };
 
 typedef struct fuzz_seed {
     int32_t format;
@@ -183,6 +204,22 @@ static const char *const fuzz_ply_text =
     "property list uchar int l\nelement face 3\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0 0\n1 0.1 1e-300 2 5 6\n0.30000000000000004 1 0 1 9\n0 1 1 0\n3 0 1 2\n4 0 1 2 3\n3 2 1 0\n";
 
+static const char *const fuzz_obj_coloured =
+    "v 0 0 0 1 0 0\nv 1.0 0.125 -3e-2 0.5 .5 0\nv 1 1 1 1 0.5 0.5 0.5\nv 0 \\\n1 0 0 0 1\nvt 0 0\nvt 1\nvt 0.5 1 2\nvt 0 0\n"
+    "f 1/1 2/2 3/3\nf 1/1 2/1/7 3/4 4/1\nf -1/-1 -2/2/1 \\\n -3/1\nf 1/1/1 2/1/1 4/1/1\n";
+static const char *const fuzz_ply_coloured =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\n"
+    "property ushort green\nproperty float blue\nproperty float u\nproperty float v\n"
+    "property list uchar int l\nelement face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n"
+    "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+    "0 0 0 1 2 .5 0 1 0\n1 0.1 1e-300 2 5 0.6 1 1 2 5 6\n0.30000000000000004 1 0 1 9 0 9 9 0\n0 1 1 0 0 0 0 0 1 3\n"
+    "3 0 1 2 6 0 0 0 1 1 1\n4 0 1 2 3 8 1 2 3 4 5 6 7 8\n6 0 1 2 -1 3 2\n";
+static const char *const fuzz_off_text =
+    "OFF # x\n5 3 0\n0 0 0\n1 0.125 -3e-2\n\n12345678901234567890.5 1 1\n0 1 0\n.3 .3 0\n3 0 1 2 255 0 0\n4 0 1 2 3\n5 0 1 2 3 4\n";
+static const char *const fuzz_off_coloured =
+    "STCNOFF 4 2 5\n0 0 0 0 0 1 255 0 0 255 0 1\n1 0 0 0 0 1 0 255 0 255 1 0\n1 1 0 0 0 1 0 0 255 128 1 1\n0 1 1 0 0 1 9 9 9 9 0 0\n"
+    "3 0 1 2\n4 0 1 2 3 0.5 0.5 0.5\n";
+
 /* One damage: a bit, a byte, a number of four bytes, a piece copied, cut out, or a tail cut off. */
 static size_t fuzz_damage(uint8_t *file, size_t size)
 {
@@ -227,7 +264,7 @@ static size_t fuzz_damage(uint8_t *file, size_t size)
 
 int main(int argc, char **argv)
 {
-    static fuzz_seed seeds[6];
+    static fuzz_seed seeds[SEEDS];
     unsigned long const inputs = argc > 1 ? strtoul(argv[1], NULL, 10) : 20000;
     unsigned long read = 0;
     bvx_context *const ctx = fuzz_context();
@@ -242,10 +279,17 @@ int main(int argc, char **argv)
     seeds[3].format = BVX_FORMAT_STL;
     seeds[4].format = BVX_FORMAT_OBJ;
     seeds[5].format = BVX_FORMAT_PLY;
-    for (int i = 0; i < 6; i++)
+    fuzz_put_text(&seeds[6], fuzz_obj_coloured);
+    fuzz_put_text(&seeds[7], fuzz_ply_coloured);
+    fuzz_put_text(&seeds[8], fuzz_off_text);
+    fuzz_put_text(&seeds[9], fuzz_off_coloured);
+    seeds[6].format = BVX_FORMAT_OBJ;
+    seeds[7].format = BVX_FORMAT_PLY;
+    seeds[8].format = seeds[9].format = BVX_FORMAT_OFF;
+    for (int i = 0; i < SEEDS; i++)
         fuzz_require(fuzz_read(ctx, seeds[i].bytes, seeds[i].size, seeds[i].format) == BVX_OK, bvx_last_message(ctx));
     for (unsigned long i = 0; i < inputs; i++) {
-        const fuzz_seed *const seed = &seeds[i % 6];
+        const fuzz_seed *const seed = &seeds[i % SEEDS];
         static uint8_t work[FUZZ_SIZE];
         size_t size = seed->size;
         memcpy(work, seed->bytes, size);
@@ -253,7 +297,7 @@ int main(int argc, char **argv)
         uint8_t *const exact = malloc(size > 0 ? size : 1); /* so that a sanitizer sees a read beyond the end */
         fuzz_require(exact != NULL, "no memory");
         memcpy(exact, work, size);
-        read += fuzz_read(ctx, exact, size, fuzz_below(50) == 0 ? (int32_t)(1 + fuzz_below(3)) : seed->format) == BVX_OK;
+        read += fuzz_read(ctx, exact, size, fuzz_below(50) == 0 ? formats[fuzz_below(4)] : seed->format) == BVX_OK;
         free(exact);
     }
     bvx_context_destroy(ctx);
