@@ -12,7 +12,7 @@ cd "$(dirname "$0")/../.." || exit 1
 : "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -57,6 +57,12 @@ if [ "$BENCH_PEERS" != 0 ]; then
         echo "missing: a Python environment with $packages, see $out/venv.log"
     fi
 fi
+
+echo "== files"
+mkdir -p "$out/files"
+rm -f "$out/files.md"
+"$BENCHES/bench_files" "$mesh" "$out" 9 >"$out/files.jsonl" && cat "$out/files.jsonl"
+if [ "$BENCH_PEERS" != 0 ] && [ -n "${python:-}" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$out/files.md"; fi
 
 echo "== the paper's tables"
 "$BENCHES/bench_paper" "$MESHES" >"$out/paper.md" && echo "in $out/paper.md"
