@@ -725,13 +725,16 @@ BVX_API bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, c
                                    bvx_image *image);
 
 /** Two grids of one lattice and window in one picture: voxels of both in options.colour, of before alone (removed) red,
- *  of after alone (added) green. Returns BVX_ERR_LATTICE too. */
+ *  of after alone (added) green. Returns BVX_ERR_LATTICE too. Memory: as bvx_render_grid. */
 BVX_API bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *before, const bvx_grid *after,
                                          const bvx_render_options *options, bvx_image *image);
 
 /** A sheet of count slices across an axis (0, 1, 2), evenly spread from the lowest voxel to the highest, in reading order:
  *  set voxels in options.colour, on background, thin lines between; up the sheet is y (axis 2) or z, and the voxels' shape
- *  is that of the spacing. options.direction, up, smooth, wireframe are not looked at. [Limit: count 1..1024] */
+ *  is that of the spacing. A pixel shows its voxel, or where it covers several the share that is set, never less than a
+ *  quarter of the colour when one is. options.cut_low and cut_high apply; direction, up, smooth, wireframe are not looked
+ *  at. [Limit: count 1..1024] Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (nothing is set), BVX_ERR_MEMORY, BVX_ERR_BUDGET,
+ *  BVX_CANCELLED. */
 BVX_API bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,
                                      const bvx_render_options *options, bvx_image *image);
 

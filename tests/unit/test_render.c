@@ -163,6 +163,25 @@ static void test_render_mesh_shows_the_nearer_and_tints_insides(void)
     }
 }
 
+/* A flat sheet has one normal, so smooth changes nothing, from either side. */
+static void test_render_mesh_smooth_leaves_a_flat_sheet_alone(void)
+{
+    static const double corner[3] = {0, 0, 0}, x[3] = {10, 0, 0}, y[3] = {0, 10, 0};
+    for (int side = 0; side < 2; side++) {
+        bvx_render_options o = options_of(80, 60, 1, 2, side ? 3 : -3);
+        bvx_image flat, smooth;
+        no_mesh();
+        add_quad(corner, x, y);
+        flat = picture_of(&o);
+        o.smooth = 1;
+        smooth = picture_of(&o);
+        TEST_ASSERT_EQUAL_INT(!side, is_reddish(pixel(&flat, 40, 30)));
+        for (size_t i = 0; i < bytes_of(&flat); i++) TEST_ASSERT_UINT8_WITHIN(1, flat.pixels[i], smooth.pixels[i]);
+        bvx_image_free(ctx, &smooth);
+        bvx_image_free(ctx, &flat);
+    }
+}
+
 /* A floor in front of a wall is darker in the corner than out in the open. */
 static void test_render_mesh_darkens_corners(void)
 {
@@ -515,6 +534,7 @@ int main(void)
     RUN_TEST(test_render_mesh_covers_what_triangles_cover);
     RUN_TEST(test_render_mesh_leaves_no_gap_between_neighbours);
     RUN_TEST(test_render_mesh_shows_the_nearer_and_tints_insides);
+    RUN_TEST(test_render_mesh_smooth_leaves_a_flat_sheet_alone);
     RUN_TEST(test_render_mesh_darkens_corners);
     RUN_TEST(test_render_grid_equals_the_mesh_of_its_faces);
     RUN_TEST(test_render_grid_smooth_shows_a_ball);

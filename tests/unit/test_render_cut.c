@@ -2,8 +2,6 @@
  * grids that were cut by hand, and where a cut changes nothing or leaves nothing. */
 #include "render_support.h"
 
-#include "render/cut_triangle.h"
-
 /* ---- triangles ---- */
 
 /* A unit square seen along z, cut to 0.4: 94 x 37.6 pixels, from 31.2 to 68.8. */
@@ -189,45 +187,6 @@ static void test_mesh_cut_shows_what_the_box_leaves(void)
     TEST_ASSERT_TRUE(seen > 20000 && insides > 5000);
 }
 
-/* Two triangles with an edge in common keep the same points of it, to the last bit, whatever lies around. */
-static void test_cut_triangles_share_points_on_their_edge(void)
-{
-    int shared = 0;
-    random_state = 9;
-    for (int round = 0; round < 20000; round++) {
-        double p[4][3], first[3][3], second[3][3], a[BVXI_CUT_MOST][3], b[BVXI_CUT_MOST][3], edge[3];
-        bvxi_cut cut = {1, {0, 0, 0}, {0, 0, 0}};
-        int32_t n, m;
-        for (int k = 0; k < 4; k++) draw_point(p[k], k < 2 ? 10 : 1);
-        for (int k = 0; k < 3; k++) {
-            cut.low[k] = draw_unit() * 5;
-            cut.high[k] = cut.low[k] + draw_unit() * 5;
-            edge[k] = p[1][k] - p[0][k];
-        }
-        p[2][0] += 20; /* so that nothing but the edge is near the edge */
-        p[3][1] -= 20;
-        memcpy(first, p, sizeof first);
-        memcpy(second[0], p[1], sizeof p[0]);
-        memcpy(second[1], p[0], sizeof p[0]);
-        memcpy(second[2], p[3], sizeof p[0]);
-        n = bvxi_cut_triangle(&cut, (const double(*)[3])first, a);
-        m = bvxi_cut_triangle(&cut, (const double(*)[3])second, b);
-        for (int32_t i = 0; i < n; i++) {
-            double to[3], square[3], found = 0;
-            for (int k = 0; k < 3; k++) {
-                to[k] = a[i][k] - p[0][k];
-                TEST_ASSERT_TRUE(a[i][k] >= cut.low[k] - 1e-12 && a[i][k] <= cut.high[k] + 1e-12);
-            }
-            cross_of(edge, to, square);
-            if (dot_of(square, square) > 1e-20 * dot_of(edge, edge)) continue; /* not on the edge */
-            for (int32_t j = 0; j < m; j++) found += memcmp(a[i], b[j], sizeof a[i]) == 0;
-            shared++;
-            TEST_ASSERT_TRUE(found > 0);
-        }
-    }
-    TEST_ASSERT_TRUE(shared > 2000);
-}
-
 /* Torn between neighbours it would show its yellow background. */
 static void test_mesh_cut_leaves_no_gap_between_neighbours(void)
 {
@@ -368,6 +327,25 @@ static void test_mesh_cut_in_all_ways_is_the_same_for_all_threads(void)
     bvx_image_free(ctx, &first);
 }
 
+/* A box at the end of a plate a million times as long: cut free it looks as if it stood alone. */
+static void test_mesh_cut_of_a_small_part_is_sharp(void)
+{
+    static const double from[3] = {-1e6, -1e6, -1e6}, x[3] = {1e6, 1e6, 0}, y[3] = {0, 1e6, 1e6};
+    bvx_render_options o = options_of(150, 120, 3, -4, 2);
+    bvx_image alone, cut;
+    no_mesh();
+    add_box(0.5, 0.25, 0.125);
+    add_box(1.25, 0.5, 0.5);
+    alone = picture_of(&o);
+    add_quad(from, x, y);
+    for (int a = 0; a < 3; a++) o.cut_low[a] = a == 0 ? 0.4 : 0.0;
+    for (int a = 0; a < 3; a++) o.cut_high[a] = 9;
+    cut = picture_of(&o);
+    for (size_t i = 0; i < bytes_of(&cut); i++) TEST_ASSERT_UINT8_WITHIN(3, alone.pixels[i], cut.pixels[i]);
+    bvx_image_free(ctx, &cut);
+    bvx_image_free(ctx, &alone);
+}
+
 /* ---- grids ---- */
 
 static const double even[3] = {1, 1, 1}, uneven[3] = {0.5, 1.5, 0.25};
@@ -470,6 +448,31 @@ static void test_grid_cut_darkens_the_section_alone(void)
     }
 }
 
+/* The section through a ball is flat up to its rim, smooth as the ball may be. */
+static void test_grid_cut_is_flat_up_to_the_rim(void)
+{
+    enum { N = 60 };
+    bvx_grid g = grid_of(N, N, N, even);
+    bvx_render_options o = options_of(200, 200, 0, 0, 1);
+    bvx_image image;
+    for (int32_t z = 0; z < N; z++)
+        for (int32_t y = 0; y < N; y++)
+            for (int32_t x = 0; x < N; x++) {
+                int32_t const a = 2 * x + 1 - N, b = 2 * y + 1 - N, c = 2 * z + 1 - N;
+                if (a * a + b * b + c * c < N * N) bvx_grid_set(&g, x, y, z, 1);
+            }
+    o.smooth = o.samples = 1;
+    o.cut_high[2] = g.lattice.origin[2] + N / 2 + 10; /* radius 30 at the middle, sqrt(30^2 - 10^2) = 28.3 here */
+    image = picture_of_grid(&g, &o);
+    for (int32_t y = 0; y < 200; y++)
+        for (int32_t x = 0; x < 200; x++) {
+            double const r = sqrt((x - 99.5) * (x - 99.5) + (y - 99.5) * (y - 99.5)) / (188.0 / N);
+            if (r < 27) TEST_ASSERT_EQUAL_UINT8(pixel(&image, 100, 100)[0], pixel(&image, x, y)[0]);
+        }
+    bvx_image_free(ctx, &image);
+    bvx_grid_free(ctx, &g);
+}
+
 /* A row of voxels far along a large lattice: 4 x 1 of them fill the width, on the pixel. */
 static void test_grid_cut_far_along_an_axis(void)
 {
@@ -518,13 +521,14 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_mesh_cut_fits_what_is_left);
     RUN_TEST(test_mesh_cut_shows_what_the_box_leaves);
-    RUN_TEST(test_cut_triangles_share_points_on_their_edge);
     RUN_TEST(test_mesh_cut_leaves_no_gap_between_neighbours);
     RUN_TEST(test_mesh_cut_around_everything_does_not_show);
     RUN_TEST(test_mesh_cut_at_the_surface_itself);
     RUN_TEST(test_mesh_cut_in_all_ways_is_the_same_for_all_threads);
+    RUN_TEST(test_mesh_cut_of_a_small_part_is_sharp);
     RUN_TEST(test_grid_cut_is_a_grid_without_those_voxels);
     RUN_TEST(test_grid_cut_darkens_the_section_alone);
+    RUN_TEST(test_grid_cut_is_flat_up_to_the_rim);
     RUN_TEST(test_grid_cut_far_along_an_axis);
     RUN_TEST(test_grid_cut_leaves_nothing);
     return UNITY_END();
