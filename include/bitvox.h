@@ -709,6 +709,9 @@ typedef struct bvx_render_options {
     int32_t reserved;
     double cut_low[3];      /**< what lies below along an axis is taken away [Units: world] [Default: -infinity] */
     double cut_high[3];     /**< what lies above is taken away; grids are cut to whole voxels [Default: infinity] */
+    double show[2];         /**< the frame shows at least so much on either side of the middle of the model's bounds, along its
+                                 width and its height, so that pictures from several sides have one scale [Units: world]
+                                 [Limit: 0 and more, finite] [Default: 0, 0: the model fills the frame] */
 } bvx_render_options;
 
 BVX_API void bvx_render_options_init(bvx_render_options *options, size_t size);

@@ -17,6 +17,9 @@ version=$(sed -n 's/^#define BVX_VERSION_\(MAJOR\|MINOR\|PATCH\) //p' include/bi
  * Define BVX_FREESTANDING where there is no C heap: contexts then bring their own memory.
  *
  * Licence: MIT. */
+#if defined(__clang__)
+#pragma clang diagnostic ignored "-Wunused-function" /* inline helpers that not every target needs */
+#endif
 END
     # shellcheck disable=SC2086
     awk '

@@ -10,42 +10,71 @@
 /* Exit statuses. */
 enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INTERRUPTED = 130 };
 
-enum { CLI_MAX_INPUTS = 64, CLI_MAX_LEVELS = 64, CLI_MAX_STAGES = 4 * CLI_MAX_LEVELS, CLI_MAX_WARNINGS = 32 };
+enum {
+    CLI_MAX_INPUTS = 64,
+    CLI_MAX_LEVELS = 64,
+    CLI_MAX_OUTPUTS = 512,
+    CLI_MAX_STAGES = 4 * CLI_MAX_LEVELS,
+    CLI_MAX_WARNINGS = 32,
+    CLI_MAX_OPTIONS = 256
+};
 
-/* Commands, as bits: an option says which of them take it. */
-enum { CLI_INFO = 1, CLI_VOXELIZE = 2, CLI_LOD = 4, CLI_RENDER = 8, CLI_ALL = 15 };
+/* Commands, as bits: an option says which of them take it. A new command takes the next bit. */
+enum {
+    CLI_INFO = 1 << 0,
+    CLI_VOXELIZE = 1 << 1,
+    CLI_LOD = 1 << 2,
+    CLI_RENDER = 1 << 3,
+    CLI_CONVERT = 1 << 4,
+    CLI_COMPARE = 1 << 5,
+    CLI_ALL = 0x7fffffff
+};
 
 typedef struct cli_run cli_run;
 
 typedef struct cli_command {
     const char *name;
-    int bit;
-    int most_inputs;
+    int32_t bit;
+    int least_inputs, most_inputs;
     const char *usage;   /* behind "bitvox NAME" */
     const char *does;    /* one line */
     const char *details; /* lines for its help */
-    const char *example; /* a command line that works in the project's folder */
+    const char *example; /* command lines that work in the project's folder, one a line */
     int (*run)(cli_run *run);
 } cli_command;
 
-/* ---- arguments.c: what the command line says ---- */
+/* ---- option_table.c, arguments.c: what the command line says ---- */
 
 typedef struct cli_list {
     int count;
     int64_t value[CLI_MAX_LEVELS];
 } cli_list;
 
+/* Planes square to the axes. */
+typedef struct cli_planes {
+    int given[3];
+    double value[3];
+} cli_planes;
+
+typedef struct cli_sheet {
+    int32_t axis, count; /* count 0: not given */
+} cli_sheet;
+
 typedef struct cli_triple {
     int given;
     double value[3];
 } cli_triple;
+
+enum { CLI_BAR_AUTO = 0, CLI_BAR_DRAW = 1, CLI_BAR_JSON = 2, CLI_BAR_NONE = 3 };
 
 /* Zero stands for "not given" unless said otherwise. */
 typedef struct cli_options {
     const char *input[CLI_MAX_INPUTS];
     int inputs;
     const char *output;
-    int help, json, quiet;
+    int32_t help, json, quiet;
+    int32_t progress;           /* CLI_BAR_... */
+    int32_t format;             /* of standard input, BVX_FORMAT_... */
     int32_t threads;
     uint64_t memory_limit;
     cli_list resolution, levels, triangles, window, size;
@@ -60,26 +89,88 @@ typedef struct cli_options {
     int64_t samples;            /* -1: not given */
     int32_t smooth;
     int32_t voxels;             /* along the longest axis; 0: draw the mesh */
+    int32_t carry, wireframe, difference, turntable;
+    int64_t seed;
+    cli_planes cut;
+    cli_sheet slices;
 } cli_options;
 
+/* What a value is, and the type of its field: */
+typedef enum cli_kind {
+    CLI_FLAG,   /* int32_t; no value */
+    CLI_INT,    /* int32_t, low to high */
+    CLI_LONG,   /* int64_t, low to high */
+    CLI_REAL,   /* double, above low and below high; with least 1: from low to high */
+    CLI_TRIPLE, /* cli_triple */
+    CLI_LIST,   /* cli_list, least to most whole numbers, each low to high; 1 to 3 means 1 or 3 */
+    CLI_BYTES,  /* uint64_t */
+    CLI_CHOICE, /* int32_t, base and the place among the names */
+    CLI_SIZE,   /* cli_list of width and height */
+    CLI_CUT,    /* cli_planes; the option may stand again for another axis */
+    CLI_SLICES, /* cli_sheet, count from low to high */
+    CLI_FILE,   /* const char *, the name of a file */
+    CLI_TEXT    /* const char *, any text but none */
+} cli_kind;
+
+typedef struct cli_argument {
+    const char *name;          /* with its dashes */
+    const char *value;         /* as the help shows it; NULL for a flag */
+    cli_kind kind;
+    int32_t commands;          /* bits */
+    size_t field;              /* in cli_options */
+    double low, high;
+    int least, most;
+    const char *const *choice; /* names, NULL behind the last */
+    int base;
+    const char *help;          /* lines */
+} cli_argument;
+
+/* Row i of the table, NULL behind the last; one name may stand in several rows for different commands. */
+const cli_argument *cli_argument_at(int i);
 /* Fill run->options; CLI_DONE or CLI_USAGE with a message. */
 int cli_parse(cli_run *run, int count, char **word);
+/* 1 when this option of the command stands on its command line. */
+int cli_given(const cli_run *run, const char *name);
 /* The options of a command, for its help. */
-void cli_print_options(int command_bit);
+void cli_print_options(int32_t command_bit);
 /* The nearest of the names, or NULL when none is near; next gives name i, NULL behind the last. */
 const char *cli_nearest(const char *word, const char *(*next)(const void *user, int i), const void *user);
 
-/* ---- report.c: messages, and the report of --json ---- */
+/* ---- text.c: text that grows; what does not fit into memory is left out and marked ---- */
+
+typedef struct cli_text {
+    char *bytes; /* ends with a zero byte; NULL: empty */
+    size_t size, room;
+    int failed;
+} cli_text;
+
+void cli_text_add(cli_text *text, const char *format, ...);
+void cli_text_free(cli_text *text);
+/* Pieces of JSON. A string, with bytes that are no UTF-8 replaced; a number, null when it is none; "key": with a comma
+ * and a space before it, but for the first. */
+void cli_json_string(cli_text *text, const char *string);
+void cli_json_number(cli_text *text, double value);
+void cli_json_key(cli_text *text, const char *key, int first);
+/* , "key": value */
+void cli_json_count(cli_text *text, const char *key, uint64_t value);
+void cli_json_value(cli_text *text, const char *key, double value);
+void cli_json_truth(cli_text *text, const char *key, int value);
+void cli_json_triple(cli_text *text, const char *key, const double value[3]);
+void cli_json_ints(cli_text *text, const char *key, const int32_t value[3]);
+
+/* ---- report.c: the report of --json ---- */
 
 typedef struct cli_mesh_entry {
     const char *path;
     bvx_certificate certificate;
     const bvx_certificate *welded;        /* with vertices at equal positions joined, or NULL */
+    int colours, uvs;                     /* it has them */
     const bvx_lod_report *lod;            /* or NULL */
     double milliseconds, rate;            /* beside lod */
     const bvx_distance_report *distance;  /* to the input, or NULL */
 } cli_mesh_entry;
 
+/* Stages, warnings, peak and error change under cli_lock, since an interrupt may report them at any time. */
 typedef struct cli_report {
     bvx_lattice lattice;
     int has_lattice, has_set;
@@ -91,6 +182,7 @@ typedef struct cli_report {
     int stages;
     cli_mesh_entry mesh[CLI_MAX_INPUTS];
     int meshes;
+    cli_text more;           /* further members as JSON, each with ", " before it */
     char *warning[CLI_MAX_WARNINGS];
     int warnings;
     uint64_t peak_bytes;     /* most bytes held for data */
@@ -98,66 +190,201 @@ typedef struct cli_report {
     char error_message[1024];
 } cli_report;
 
+/* The report as one line; status is the exit status. brief leaves out what only the main thread may read. */
+void cli_report_text(const cli_run *run, int status, int brief, cli_text *text);
+/* Write it to standard output; 0 when that failed. */
+int cli_report_print(cli_run *run, int status);
+/* So many bytes are held beside what the context has now. */
+void cli_note_peak(cli_run *run, uint64_t bytes);
+
+/* ---- messages.c: what is said to people ---- */
+
 /* Print "bitvox: ..." to standard error, keep it for the report, return the exit status. */
 int cli_fail(cli_run *run, const char *format, ...);
 int cli_usage(cli_run *run, const char *format, ...);
 /* The same for a call of the library that failed; about names the file or is NULL. CLI_INTERRUPTED when cancelled. */
 int cli_fail_status(cli_run *run, bvx_status status, const char *about);
 int cli_fail_interrupted(cli_run *run);
+/* What an interrupt left, as the message says it. */
+void cli_interrupt_text(const cli_run *run, char *text, size_t room);
 void cli_warn(cli_run *run, const char *format, ...);
-/* Print to standard output unless --quiet or --json. */
+/* Print to standard output unless --quiet, --json or an output takes it. */
 void cli_say(cli_run *run, const char *format, ...);
-void cli_stage(cli_run *run, double start, const char *format, ...);
-/* The object of --json; status is the exit status. Returns 0 when it could not be written. */
-int cli_report_print(const cli_run *run, int status);
-void cli_report_free(cli_report *report);
 
-/* ---- files.c: whole files in, whole files out ---- */
+/* ---- files.c: whole files in ---- */
+
+typedef struct cli_bytes {
+    unsigned char *bytes;
+    size_t size, room;
+    uint64_t limit;          /* of room */
+} cli_bytes;
+
+/* Read a file, gzip data unpacked; "-" is standard input. */
+int cli_read_file(cli_run *run, const char *path, cli_bytes *bytes);
+/* The format of an input by --format or its name, BVX_FORMAT_... */
+int32_t cli_input_format(const cli_run *run, const char *path);
+/* How messages call an input. */
+const char *cli_input_name(const char *path);
+/* Read a mesh from a file; creates run->context when there is none. */
+int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
+
+/* ---- inputs.c: any input by its ending ---- */
+
+enum { CLI_MESH = 1, CLI_GRID = 2 };
+
+typedef struct cli_input {
+    const char *path;
+    int kind;       /* CLI_MESH or CLI_GRID */
+    bvx_mesh mesh;
+    bvx_grid grid;
+    int placed;     /* 0: neither file nor side-car tells a grid's lattice */
+} cli_input;
+
+/* CLI_MESH, CLI_GRID or 0, of any BVX_FORMAT_... */
+int cli_kind_of_format(int32_t format);
+const char *cli_format_name(int32_t format);
+int cli_is_packed(const char *path);         /* ends in .gz */
+int cli_needs_sidecar(int32_t format);       /* it keeps no lattice */
+char *cli_sidecar_name(const char *path);    /* to be freed; NULL without memory */
+/* What an input would be by its name; refuses what is not read. */
+int cli_input_kind(cli_run *run, const char *path, int *kind);
+/* Read a grid, or a window of it (NULL or all zero: all), and its side-car; creates run->context when there is none. */
+int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed);
+/* --window; all zero when it is not given. */
+int cli_window_option(cli_run *run, bvx_window *window);
+int cli_read_input(cli_run *run, const char *path, cli_input *input);
+void cli_free_input(cli_run *run, cli_input *input);
+
+/* ---- grid_output.c: a grid out, with its side-car where the format keeps no lattice ---- */
+
+/* Refuse an ending that stands for no grid; refuse a lattice that the format cannot hold. */
+int cli_check_grid_name(cli_run *run, const char *path);
+int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *lattice, const int32_t size[3]);
+/* Open the outputs of a grid, write it as run->options.output and keep it. */
+int cli_open_grid_output(cli_run *run, const char *path);
+int cli_write_grid(cli_run *run, const bvx_grid *grid);
+void cli_say_grid(cli_run *run, const bvx_grid *grid, uint64_t set, int placed);
+/* The place of a part (0: the low corner, 0.5: the centre) of a grid's first voxel. */
+void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
+
+/* ---- turn.c ---- */
+
+/* A direction turned round an axis by i / n of a turn; 0 when it lies along the axis. */
+int cli_turn(const double direction[3], const double axis[3], int32_t i, int32_t n, double turned[3]);
+/* What a picture from a direction shows of a box on either side of a middle: its half width and height. What is there
+ * already grows to it. */
+void cli_turn_room(const double low[3], const double high[3], const double middle[3], const double direction[3],
+                   const double axis[3], double room[2]);
+
+/* ---- outputs.c: whole files out, all or none ---- */
+
+enum { CLI_OUT_NEW = 0, CLI_OUT_IN_PLACE = 1, CLI_OUT_STANDARD = 2 };
 
 typedef struct cli_output {
-    char *path;
-    char *temporary; /* NULL: written in place, because it is no plain file */
+    char *path;      /* as it was given */
+    char *target;    /* behind symbolic links */
+    char *temporary; /* CLI_OUT_NEW, until it is kept */
+    char *older;     /* what stood at target, under another name while several outputs are kept */
+    int kind;        /* CLI_OUT_... */
+    int begun;       /* something was written in place */
+    int kept;
 } cli_output;
 
-/* Read a mesh from a file, .gz included; creates run->context when there is none. */
-int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
 /* Make sure that a file can be written: a file with a temporary name is made beside it. */
 int cli_open_output(cli_run *run, const char *path);
 /* Fill an output, numbered in the order of opening; it gets its name by cli_keep_outputs. */
 int cli_write_output(cli_run *run, int number, const bvx_buffer *file);
+/* Give all outputs their names, or none of them. */
 int cli_keep_outputs(cli_run *run);
 /* Remove what was not kept. */
 void cli_drop_outputs(cli_run *run);
+/* The part of it that an interrupt does, with the lock held. */
+void cli_remove_temporaries(cli_run *run);
 
-/* ---- terminal.c: time, interrupts, the progress bar ---- */
+/* ---- terminal.c: time and progress ---- */
 
 double cli_seconds(void); /* of a clock that only goes forward */
-void cli_catch_interrupts(void);
-int cli_interrupted(void);
+/* A stage begins and ends, under the name that the report and the progress tell; the end returns its seconds. */
+void cli_stage_begin(cli_run *run, const char *format, ...);
+double cli_stage_end(cli_run *run);
 int32_t cli_progress(void *run, const char *stage, double fraction); /* a bvx_progress_fn */
+/* The last line of the last stage; no bar stays behind. */
+void cli_progress_end(cli_run *run, int status);
 void cli_clear_bar(cli_run *run);
+
+typedef struct cli_progress_state {
+    char stage[32];   /* "" before the first */
+    char part[32];    /* what the library calls its work in it */
+    int named;        /* the command has begun it and not ended it */
+    int parts;        /* different works in it so far */
+    double start, ended; /* ended 0: it still runs */
+    double base, reached; /* fraction when the part began, fraction now */
+    double told;      /* when the last line or bar was shown */
+    int bar;          /* a bar stands on the terminal */
+    int way;          /* CLI_BAR_..., 0: not yet decided */
+} cli_progress_state;
+
+/* ---- watch.c: interrupts ---- */
+
+/* Before any other thread starts. */
+void cli_watch_start(void);
+/* From now on an interrupt that the run does not heed soon ends the program by itself. */
+void cli_watch_run(cli_run *run);
+int cli_interrupted(void);
+/* Around what an interrupt must find whole: outputs and their names, the report's texts. Nothing that may wait for
+ * others (pipes, terminals) happens inside. Does not return once an interrupt is ending the program. */
+void cli_lock(void);
+void cli_unlock(void);
+/* With the lock held: the outputs have their names, so nothing is cancelled any more. */
+void cli_watch_kept(void);
+/* With the lock held: the exit status is known, and a message about it is said until cli_watch_told. */
+void cli_watch_decide(int status);
+/* The report is written until cli_watch_told. */
+void cli_watch_report(void);
+void cli_watch_told(void);
+/* All is said; the program only has to end. */
+void cli_watch_end(int status);
+
+/* ---- manual.c: the man page and the completion of bash, from the same tables ---- */
+
+void cli_print_manual(void);
+void cli_print_completion(void);
 
 /* ---- main.c ---- */
 
 struct cli_run {
     const cli_command *command;
     cli_options options;
+    unsigned char given[CLI_MAX_OPTIONS]; /* by row of the table */
     cli_report report;
     bvx_context *context;
     uint64_t context_limit; /* of its memory; 0: none */
-    cli_output output[CLI_MAX_LEVELS];
+    cli_output output[CLI_MAX_OUTPUTS];
     int outputs;
+    int standard_taken;     /* standard output belongs to an output */
+    uint64_t removed_bytes; /* of files that the system takes apart at the exit */
     double start;
-    double bar_drawn; /* when; 0: no bar stands on the terminal */
-    int bar;          /* 1: a bar may be shown */
+    cli_progress_state progress;
 };
 
+/* Command i in the order of the help, NULL behind the last. */
+const cli_command *cli_command_at(int i);
 /* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
-extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render;
+extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare;
 
-/* ---- pool.c ---- */
+/* cmd_compare.c: bvx_grid_compare with a message that names both. */
+int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
+/* cmd_lod.c: what of a mesh a format cannot hold, as a warning. */
+void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
+
+/* ---- blocks.c, pool.c ---- */
+
+/* Ask for huge pages behind a block, when it is large. */
+void cli_large_block(void *block, size_t size);
+/* Give options an allocator that does so. */
+void cli_blocks_offer(bvx_context_options *options);
 
 /* Give options the program's own threads, as many as they ask for (0: one a processor). */
 void cli_pool_offer(bvx_context_options *options);

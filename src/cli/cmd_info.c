@@ -1,4 +1,4 @@
-/* cmd_info.c - bitvox info: what a mesh is. */
+/* cmd_info.c - bitvox info: what a mesh or a grid is. */
 #include "cli/cli.h"
 
 #include <inttypes.h>
@@ -35,19 +35,19 @@ static void say_certificate(cli_run *run, const bvx_certificate *c)
 static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *c)
 {
     bvx_mesh_view view;
-    double const start = cli_seconds();
     bvx_status status;
     bvx_mesh_view_of(mesh, &view);
+    cli_stage_begin(run, weld ? "check welded" : "check");
     status = bvx_mesh_check(run->context, &view, weld, c);
-    cli_stage(run, start, weld ? "check welded" : "check");
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options.input[0]);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
 /* Many files repeat a vertex where colours or normals change: then the surface is closed although the indices are not. */
 static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bvx_certificate *welded, int *differs)
 {
-    int const stl = bvx_format_of_name(run->options.input[0]) == BVX_FORMAT_STL;
+    int const stl = cli_input_format(run, run->options.input[0]) == BVX_FORMAT_STL;
     int status = check(run, mesh, stl, c); /* STL has no indices */
     *differs = 0;
     if (status != CLI_DONE || stl || c->closed) return status;
@@ -56,21 +56,28 @@ static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bv
     return status;
 }
 
-static int run_info(cli_run *run)
+static void say_attributes(cli_run *run, const bvx_mesh *mesh)
+{
+    if (mesh->colours != NULL) cli_say(run, "  colours     of vertices\n");
+    if (mesh->uvs != NULL)
+        cli_say(run, "  texture     coordinates of %s\n", mesh->uv_triangles != NULL ? "triangles' corners" : "vertices");
+}
+
+static int info_of_mesh(cli_run *run, const bvx_mesh *mesh)
 {
     static bvx_certificate certificate, welded; /* the report points at them until the program ends */
-    const char *const path = run->options.input[0];
-    bvx_mesh mesh = {0};
-    int differs, status = cli_read_mesh(run, path, &mesh);
-    if (status == CLI_DONE) status = check_both(run, &mesh, &certificate, &welded, &differs);
-    bvx_mesh_free(run->context, &mesh);
+    cli_mesh_entry *const entry = &run->report.mesh[0];
+    int differs, status = check_both(run, mesh, &certificate, &welded, &differs);
     if (status != CLI_DONE) return status;
-    cli_mesh_entry *const entry = &run->report.mesh[run->report.meshes++];
-    entry->path = path;
+    entry->path = run->options.input[0];
     entry->certificate = certificate;
     entry->welded = differs ? &welded : NULL;
-    cli_say(run, "%s\n", path);
+    entry->colours = mesh->colours != NULL;
+    entry->uvs = mesh->uvs != NULL;
+    run->report.meshes = 1;
+    cli_say(run, "%s\n", cli_input_name(entry->path));
     say_certificate(run, &certificate);
+    say_attributes(run, mesh);
     if (differs) {
         cli_say(run, "the same with vertices at equal positions joined\n");
         say_certificate(run, &welded);
@@ -78,8 +85,119 @@ static int run_info(cli_run *run)
     return CLI_DONE;
 }
 
+/* ---- grids ---- */
+
+typedef struct grid_facts {
+    int32_t low[3], size[3]; /* box of the set voxels; size 0 when none is set */
+    double volume;
+    uint64_t hash;
+} grid_facts;
+
+static int lowest_bit(uint64_t w)
+{
+    int n = 0;
+    while ((w >> n & 1) == 0) n++;
+    return n;
+}
+
+static int highest_bit(uint64_t w)
+{
+    int n = 63;
+    while ((w >> n & 1) == 0) n--;
+    return n;
+}
+
+static void find_box(const bvx_grid *g, grid_facts *f)
+{
+    int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
+    const uint64_t *row = g->words;
+    for (int32_t z = 0; z < g->size[2]; z++)
+        for (int32_t y = 0; y < g->size[1]; y++, row += g->words_per_row) {
+            int32_t first = 0, last = g->words_per_row - 1;
+            while (first <= last && row[first] == 0) first++;
+            if (first > last) continue;
+            while (row[last] == 0) last--;
+            int32_t const begin[3] = {first * 64 + lowest_bit(row[first]), y, z}, end[3] = {last * 64 + highest_bit(row[last]), y, z};
+            for (int a = 0; a < 3; a++) {
+                low[a] = begin[a] < low[a] ? begin[a] : low[a];
+                high[a] = end[a] > high[a] ? end[a] : high[a];
+            }
+        }
+    for (int a = 0; a < 3; a++) {
+        f->low[a] = high[a] < 0 ? 0 : low[a];
+        f->size[a] = high[a] < 0 ? 0 : high[a] - low[a] + 1;
+    }
+}
+
+static void say_facts(cli_run *run, const cli_input *in, const grid_facts *f)
+{
+    double centre[3];
+    cli_grid_corner(&in->grid, 0.5, centre);
+    cli_say(run, "%s\n", cli_input_name(in->path));
+    cli_say(run, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
+    cli_say_grid(run, &in->grid, run->report.set, in->placed);
+    cli_say(run, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
+    if (run->report.set == 0) cli_say(run, "  box         empty\n");
+    else
+        cli_say(run, "  box         %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32 ",%" PRId32 ",%" PRId32 "\n", f->size[0],
+                f->size[1], f->size[2], f->low[0], f->low[1], f->low[2]);
+    cli_say(run, "  volume      %.9g\n  hash        %016" PRIx64 "\n", f->volume, f->hash);
+}
+
+static void report_facts(cli_run *run, const cli_input *in, const grid_facts *f)
+{
+    const bvx_grid *const g = &in->grid;
+    cli_text *const t = &run->report.more;
+    double corner[3], centre[3];
+    cli_grid_corner(g, 0.0, corner);
+    cli_grid_corner(g, 0.5, centre);
+    cli_text_add(t, ", \"grid\": {\"path\": ");
+    cli_json_string(t, in->path);
+    cli_text_add(t, ", \"format\": \"%s\"", cli_format_name(cli_input_format(run, in->path)));
+    cli_json_truth(t, "lattice_known", in->placed);
+    cli_json_ints(t, "low", g->low);
+    cli_json_ints(t, "size", g->size);
+    cli_json_triple(t, "corner", corner);
+    cli_json_triple(t, "center0", centre);
+    cli_json_value(t, "share", (double)run->report.set / ((double)g->size[0] * g->size[1] * g->size[2]));
+    cli_text_add(t, ", \"box\": {\"low\": [%" PRId32 ", %" PRId32 ", %" PRId32 "]", f->low[0], f->low[1], f->low[2]);
+    cli_json_ints(t, "size", f->size);
+    cli_text_add(t, "}");
+    cli_json_value(t, "volume", f->volume);
+    cli_text_add(t, ", \"hash\": \"%016" PRIx64 "\"}", f->hash);
+}
+
+static int info_of_grid(cli_run *run, const cli_input *in)
+{
+    const bvx_grid *const g = &in->grid;
+    grid_facts f;
+    bvx_status status;
+    cli_stage_begin(run, "check");
+    status = bvx_grid_count(run->context, g, &run->report.set);
+    if (status == BVX_OK) status = bvx_grid_hash(run->context, g, &f.hash);
+    if (status == BVX_OK) find_box(g, &f);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    f.volume = (double)run->report.set * g->lattice.spacing[0] * g->lattice.spacing[1] * g->lattice.spacing[2];
+    run->report.lattice = g->lattice;
+    run->report.has_lattice = run->report.has_set = 1;
+    report_facts(run, in, &f);
+    say_facts(run, in, &f);
+    return CLI_DONE;
+}
+
+static int run_info(cli_run *run)
+{
+    cli_input in;
+    int status = cli_read_input(run, run->options.input[0], &in);
+    if (status == CLI_DONE) status = in.kind == CLI_MESH ? info_of_mesh(run, &in.mesh) : info_of_grid(run, &in);
+    cli_free_input(run, &in);
+    return status;
+}
+
 const cli_command cli_info = {
-    "info", CLI_INFO, 1, "IN [options]", "what a mesh is: counts, bounds, closed, manifold, oriented, volume, area",
-    "Reads a mesh (.stl .obj .ply, also with .gz) and tells whether it is closed, manifold and\n"
-    "oriented, how many components it has, its volume and its area.",
+    "info", CLI_INFO, 1, 1, "IN [options]", "what a mesh or a grid is: counts, bounds, closed, manifold, volume; voxels, lattice",
+    "Reads a mesh (.stl .obj .ply .off, also with .gz) and tells whether it is closed, manifold and\n"
+    "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
+    ".vti .bvx) and tells its voxels, its lattice and the hash of both.",
     "bitvox info fixtures/knot.ply", run_info};

@@ -1,35 +1,15 @@
 /* cmd_lod.c - bitvox lod: a chain of closed meshes, with a table of what each level costs and how near it stays.
  *
- * The mesh is voxelized once; each level is one call of bvx_build_lods, timed alone. Everything is written at the end,
- * so a failure leaves no part of a chain. */
-#include "cli/cli.h"
+ * The solid is made once (lod_input.c); each level is one call of bvx_build_lods, timed alone. Everything is written at the
+ * end, so a failure leaves no part of a chain. */
+#include "cli/lod_chain.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1, RATIO_WANTED = 8 };
-
-#define GRID_BYTES_DEFAULT (UINT64_C(1) << 30) /* most bytes of the grid without --memory-limit */
-
-typedef struct lod_chain {
-    bvx_mesh input;
-    bvx_mesh_view view;
-    bvx_certificate certificate; /* of the input */
-    double diagonal;
-    bvx_grid solid;
-    bvx_solid_report solid_report;
-    double solid_seconds;
-    int32_t resolution;          /* of the solid */
-    const char *chosen;          /* how */
-    int by_triangles, count;
-    bvx_mesh mesh[CLI_MAX_LEVELS];
-    char *path[CLI_MAX_LEVELS];
-    bvx_lod_report lod[CLI_MAX_LEVELS];
-    bvx_distance_report distance[CLI_MAX_LEVELS];
-} lod_chain;
+enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
 /* ---- what is asked for ---- */
 
@@ -45,15 +25,28 @@ static char *level_path(const char *pattern, int level)
     return path;
 }
 
-static int check_lod_options(cli_run *run, lod_chain *c)
+/* Options that speak of voxelizing, or of what only meshes have. */
+static int refuse_for_grid(cli_run *run)
+{
+    static const char *const option[] = {"--resolution", "--padding", "--fill", "--carry"};
+    for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
+        if (cli_given(run, option[i]))
+            return cli_usage(run, "%s is for meshes; %s is a grid", option[i], cli_input_name(run->options.input[0]));
+    return CLI_DONE;
+}
+
+static int check_lod_options(cli_run *run, cli_chain *c)
 {
     const cli_options *const o = &run->options;
     int32_t const format = bvx_format_of_name(o->output);
     const char *const place = strstr(o->output, "%d");
-    size_t const n = strlen(o->output);
-    if ((format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY) ||
-        (n > 3 && strcmp(o->output + n - 3, ".gz") == 0))
-        return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .stl .obj)", o->output);
+    int const status = cli_input_kind(run, o->input[0], &c->kind);
+    if (status != CLI_DONE) return status;
+    if (cli_kind_of_format(format) != CLI_MESH || cli_is_packed(o->output))
+        return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", o->output);
+    if (c->kind == CLI_GRID && refuse_for_grid(run) != CLI_DONE) return CLI_USAGE;
+    if (o->carry && format == BVX_FORMAT_STL)
+        return cli_usage(run, "%s: .stl holds neither colours nor texture coordinates; take .ply, .obj or .glb for --carry", o->output);
     if (o->levels.count != 0 && o->triangles.count != 0) return cli_usage(run, "--levels and --triangles exclude each other");
     if (o->edge_samples != 0 && o->method == BVX_LOD_COVERAGE)
         return cli_usage(run, "--edge-samples needs --method edge-ratio");
@@ -70,129 +63,17 @@ static int check_lod_options(cli_run *run, lod_chain *c)
     return CLI_DONE;
 }
 
-static int32_t level_resolution(const cli_run *run, int level)
-{
-    static const int32_t usual[3] = {64, 32, 16};
-    return run->options.levels.count != 0 ? (int32_t)run->options.levels.value[level] : usual[level];
-}
-
-/* ---- the solid ---- */
-
-/* Samples along the longest axis of the finest level. For a count of triangles: marching cubes makes about three for
- * each square of the surface as large as a sample. */
-static double finest_level(const cli_run *run, const lod_chain *c)
-{
-    double finest = 1.0, longest = 0.0;
-    if (c->by_triangles && !(c->certificate.area > 0.0)) return finest;
-    if (!c->by_triangles) {
-        for (int i = 0; i < c->count; i++) finest = level_resolution(run, i) > finest ? level_resolution(run, i) : finest;
-        return finest;
-    }
-    for (int a = 0; a < 3; a++)
-        longest = c->certificate.high[a] - c->certificate.low[a] > longest ? c->certificate.high[a] - c->certificate.low[a] : longest;
-    for (int i = 0; i < c->count; i++) {
-        double const more = run->options.collapse != 0.0 ? run->options.collapse : 1.0; /* before edges collapse */
-        double const squares = (double)run->options.triangles.value[i] * more / 3.0;
-        double const r = sqrt(squares * longest * longest / c->certificate.area);
-        finest = r > finest ? r : finest;
-    }
-    return floor(finest + 0.5);
-}
-
-static bvx_status fit(cli_run *run, const lod_chain *c, int32_t resolution, bvx_lattice *lattice)
-{
-    bvx_lattice_options o;
-    bvx_lattice_options_init(&o, sizeof o);
-    o.resolution = resolution;
-    o.padding = run->options.padding;
-    return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
-}
-
-/* Bytes that the solid may take: half of what the limit leaves beside the mesh and its snapped copy; the other half is
- * for rows in work, for the levels and for checking them. */
-static uint64_t room_for_solid(const cli_run *run, const lod_chain *c)
-{
-    uint64_t const beside = bvx_memory_used(run->context) + 16 * c->view.vertex_count + 4 * c->view.triangle_count;
-    if (run->context_limit == 0) return GRID_BYTES_DEFAULT;
-    return run->context_limit > beside ? (run->context_limit - beside) / 2 : 0;
-}
-
-/* The resolution of the solid: given, or RATIO_WANTED times the finest level where memory allows, else what it allows,
- * and never below the finest level. */
-static int choose_resolution(cli_run *run, lod_chain *c)
-{
-    double const finest = finest_level(run, c), wanted = finest * RATIO_WANTED;
-    uint64_t const room = room_for_solid(run, c);
-    int32_t low, high; /* low is taken in any case */
-    if (run->options.resolution.count != 0) {
-        c->resolution = (int32_t)run->options.resolution.value[0];
-        c->chosen = "given";
-        return CLI_DONE;
-    }
-    low = finest < 33554432.0 ? (int32_t)finest : 33554432;
-    high = wanted < 33554432.0 ? (int32_t)wanted : 33554432;
-    c->chosen = "8 x the finest level";
-    for (int32_t try = high; low < high; try = low + (high - low + 1) / 2) {
-        bvx_lattice lattice;
-        bvx_status const status = fit(run, c, try, &lattice);
-        uint64_t const words = status == BVX_OK ? bvx_grid_bound(&lattice, NULL) : UINT64_MAX;
-        if (status != BVX_OK && status != BVX_ERR_RANGE) return cli_fail_status(run, status, run->options.input[0]);
-        if (words <= room / 8) {
-            low = try;
-        } else {
-            high = try - 1;
-            c->chosen = "what memory allows";
-        }
-    }
-    c->resolution = low;
-    return CLI_DONE;
-}
-
-static int make_solid(cli_run *run, lod_chain *c)
-{
-    const char *const path = run->options.input[0];
-    bvx_voxelize_options v;
-    double start = cli_seconds();
-    bvx_status status = bvx_mesh_check(run->context, &c->view, 1, &c->certificate); /* the solid asks for places, not for numbers */
-    cli_stage(run, start, "check input");
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
-    for (int a = 0; a < 3; a++) {
-        double const side = c->certificate.high[a] - c->certificate.low[a];
-        c->diagonal += side * side;
-    }
-    c->diagonal = sqrt(c->diagonal);
-    if (choose_resolution(run, c) != CLI_DONE) return CLI_FAILED;
-    start = cli_seconds();
-    status = fit(run, c, c->resolution, &run->report.lattice);
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
-    run->report.has_lattice = 1;
-    bvx_voxelize_options_init(&v, sizeof v);
-    v.fill = run->options.fill;
-    v.report = &c->solid_report;
-    status = bvx_voxelize_solid(run->context, &c->view, &run->report.lattice, &v, &c->solid);
-    c->solid_seconds = cli_seconds() - start;
-    cli_stage(run, start, "voxelize");
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
-    bvx_grid_count(run->context, &c->solid, &run->report.set);
-    run->report.has_set = 1;
-    if (run->report.set == 0) return cli_fail(run, "%s: no voxel's centre lies inside the mesh; nothing is left to make levels of", path);
-    if (c->solid_report.unbalanced_rows != 0)
-        cli_warn(run, "%" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", c->solid_report.unbalanced_rows);
-    return CLI_DONE;
-}
-
 /* ---- the levels ---- */
 
-static int make_level(cli_run *run, lod_chain *c, int i)
+static int make_level(cli_run *run, cli_chain *c, int i)
 {
     const cli_options *const o = &run->options;
     cli_mesh_entry *const entry = &run->report.mesh[i];
-    int32_t const resolution = c->by_triangles ? 0 : level_resolution(run, i);
+    int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, i);
     uint64_t const target = c->by_triangles ? (uint64_t)o->triangles.value[i] : 0;
     bvx_mesh_view view;
     bvx_lod_options l;
     bvx_status status;
-    double start;
     bvx_lod_options_init(&l, sizeof l);
     if (o->method != 0) l.method = o->method;
     if (o->threshold != 0.0) l.threshold = o->threshold;
@@ -200,52 +81,69 @@ static int make_level(cli_run *run, lod_chain *c, int i)
     l.collapse = o->collapse;
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
-    l.source_triangles = c->input.triangle_count;
+    l.source_triangles = c->input_triangles;
     l.reports = &c->lod[i];
-    start = cli_seconds();
+    cli_stage_begin(run, "level %d", i);
     status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
     if (status == BVX_ERR_RANGE && strstr(bvx_last_message(run->context), "take f64") != NULL) { /* far from the origin */
         l.position_type = BVX_F64;
         status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
     }
-    entry->milliseconds = (cli_seconds() - start) * 1e3;
-    cli_stage(run, start, "level %d", i);
+    entry->milliseconds = cli_stage_end(run) * 1e3;
     if (status != BVX_OK) {
         char about[32];
         snprintf(about, sizeof about, "level %d", i);
         return cli_fail_status(run, status, about);
     }
+    if (o->carry) {
+        cli_stage_begin(run, "carry %d", i);
+        status = bvx_mesh_carry(run->context, &c->input, &c->mesh[i]);
+        cli_stage_end(run);
+        if (status != BVX_OK) return cli_fail_status(run, status, c->path[i]);
+    }
+    entry->colours = c->mesh[i].colours != NULL;
+    entry->uvs = c->mesh[i].uvs != NULL;
     bvx_mesh_view_of(&c->mesh[i], &view);
-    start = cli_seconds();
+    cli_stage_begin(run, "check %d", i);
     status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
-    cli_stage(run, start, "check %d", i);
+    cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, c->path[i]);
     entry->path = c->path[i];
     entry->lod = &c->lod[i];
-    entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
+    entry->rate = (double)c->mesh[i].triangle_count / (double)c->input_triangles;
     run->report.meshes = i + 1;
     if (c->lod[i].exceeds_source)
         cli_warn(run, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, i, c->mesh[i].triangle_count,
-                 c->input.triangle_count);
+                 c->input_triangles);
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
-static int measure_level(cli_run *run, lod_chain *c, int i)
+static int measure_level(cli_run *run, cli_chain *c, int i)
 {
     uint64_t const samples = run->options.samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options.samples;
-    double const start = cli_seconds();
     bvx_mesh_view view;
     bvx_status status;
     if (samples == 0) return CLI_DONE;
     bvx_mesh_view_of(&c->mesh[i], &view);
+    cli_stage_begin(run, "distance %d", i);
     status = bvx_mesh_distance(run->context, &view, &c->view, samples, DISTANCE_SEED, &c->distance[i]);
-    cli_stage(run, start, "distance %d", i);
+    cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, c->path[i]);
     run->report.mesh[i].distance = &c->distance[i];
     return CLI_DONE;
 }
 
-static int write_level(cli_run *run, lod_chain *c, int i)
+void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh)
+{
+    int32_t const format = bvx_format_of_name(path);
+    int const colours = mesh->colours != NULL && format == BVX_FORMAT_STL;
+    int const uvs = mesh->uvs != NULL && (format == BVX_FORMAT_STL || format == BVX_FORMAT_OFF);
+    if (!colours && !uvs) return;
+    cli_warn(run, "%s: .%s cannot hold %s%s%s, which are lost", path, cli_format_name(format), colours ? "colours" : "",
+             colours && uvs ? " and " : "", uvs ? "texture coordinates" : "");
+}
+
+static int write_level(cli_run *run, cli_chain *c, int i)
 {
     bvx_buffer file = {0};
     bvx_status const status = bvx_write_mesh(run->context, &c->mesh[i], bvx_format_of_name(c->path[i]), &file);
@@ -261,18 +159,24 @@ static const char *yes_or_not(const bvx_certificate *c)
     return c->closed && c->edge_manifold && c->vertex_manifold && c->oriented ? "yes" : "NO";
 }
 
-static void say_head(cli_run *run, const lod_chain *c)
+static void say_head(cli_run *run, const cli_chain *c)
 {
     const bvx_certificate *const in = &c->certificate;
     const bvx_lattice *const l = &run->report.lattice;
-    cli_say(run, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n", run->options.input[0], c->input.triangle_count,
+    if (c->kind == CLI_GRID) {
+        const int32_t *const n = c->solid.size;
+        cli_say(run, "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " set; their surface has %" PRIu64 " triangles; diagonal %.6g\n\n",
+                cli_input_name(run->options.input[0]), n[0], n[1], n[2], run->report.set, c->input_triangles, c->diagonal);
+        return;
+    }
+    cli_say(run, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n", cli_input_name(run->options.input[0]), c->input.triangle_count,
             in->closed ? "closed" : "not closed", in->edge_manifold && in->vertex_manifold ? "manifold" : "not manifold",
             in->oriented ? "oriented" : "not oriented", c->diagonal);
     cli_say(run, "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64 " set, %.1f ms\n\n", l->dims[0],
             l->dims[1], l->dims[2], c->resolution, c->chosen, run->report.set, c->solid_seconds * 1e3);
 }
 
-static void say_levels(cli_run *run, const lod_chain *c)
+static void say_levels(cli_run *run, const cli_chain *c)
 {
     cli_say(run, "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, oriented\n");
     for (int i = 0; i < c->count; i++) {
@@ -290,11 +194,12 @@ static void say_distance(cli_run *run, double d, double diagonal)
     cli_say(run, "  %9.3g %6.3f%%", d, diagonal > 0.0 ? 100.0 * d / diagonal : 0.0);
 }
 
-static void say_distances(cli_run *run, const lod_chain *c)
+static void say_distances(cli_run *run, const cli_chain *c)
 {
     if (run->report.mesh[0].distance == NULL) return;
-    cli_say(run, "\ndistances in the mesh's unit and in %% of its diagonal, from %" PRIu64 " random points on each mesh, seed %d\n",
-            c->distance[0].samples, DISTANCE_SEED);
+    cli_say(run, "\ndistances %sin the %s's unit and in %% of its diagonal, from %" PRIu64 " random points on each mesh, seed %d\n",
+            c->kind == CLI_GRID ? "to the voxels' surface, " : "", c->kind == CLI_GRID ? "grid" : "mesh", c->distance[0].samples,
+            DISTANCE_SEED);
     cli_say(run, "%43s%38s\nlevel%19s%19s%19s%19s\n", "level to input", "input to level", "mean", "max", "mean", "max");
     for (int i = 0; i < c->count; i++) {
         const bvx_distance_report *const d = &c->distance[i];
@@ -307,20 +212,17 @@ static void say_distances(cli_run *run, const lod_chain *c)
     }
 }
 
-static int make_chain(cli_run *run, lod_chain *c)
+static int make_chain(cli_run *run, cli_chain *c)
 {
-    int status = cli_read_mesh(run, run->options.input[0], &c->input);
-    double start;
-    if (status != CLI_DONE) return status;
-    bvx_mesh_view_of(&c->input, &c->view);
-    status = make_solid(run, c);
+    int status = cli_open_chain(run, c);
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = make_level(run, c, i);
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
-    start = cli_seconds();
+    if (status == CLI_DONE) cli_stage_begin(run, "write");
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = write_level(run, c, i);
     if (status == CLI_DONE) status = cli_keep_outputs(run);
-    cli_stage(run, start, "write");
     if (status != CLI_DONE) return status;
+    cli_stage_end(run);
+    if (run->options.carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
     say_head(run, c);
     say_levels(run, c);
     say_distances(run, c);
@@ -330,7 +232,7 @@ static int make_chain(cli_run *run, lod_chain *c)
     return CLI_DONE;
 }
 
-static int open_level_outputs(cli_run *run, lod_chain *c)
+static int open_level_outputs(cli_run *run, cli_chain *c)
 {
     for (int i = 0; i < c->count; i++) {
         int status;
@@ -344,7 +246,7 @@ static int open_level_outputs(cli_run *run, lod_chain *c)
 
 static int run_lod(cli_run *run)
 {
-    static lod_chain c; /* zeroed; the report points into it until the program ends */
+    static cli_chain c; /* zeroed; the report points into it until the program ends */
     int status = check_lod_options(run, &c);
     if (status == CLI_DONE) status = open_level_outputs(run, &c);
     if (status == CLI_DONE) status = make_chain(run, &c);
@@ -355,7 +257,8 @@ static int run_lod(cli_run *run)
 }
 
 const cli_command cli_lod = {
-    "lod", CLI_LOD, 1, "IN -o OUT_%d.EXT [options]", "a chain of closed meshes of several sizes from one mesh",
-    "Reads a mesh (.stl .obj .ply, also with .gz), voxelizes it once and writes one closed, manifold\n"
-    "mesh a level (.ply .stl .obj; %d becomes 0, 1, 2 ...), with a table of size, time and distance.",
+    "lod", CLI_LOD, 1, 1, "IN -o OUT_%d.EXT [options]", "a chain of closed meshes of several sizes from one mesh or grid",
+    "Reads a mesh (.stl .obj .ply .off, also with .gz) and voxelizes it once, or reads a grid (.npy .binvox\n"
+    ".vox .nrrd .vti .bvx), and writes one closed, manifold mesh a level (.ply .obj .stl .off .glb; %d\n"
+    "becomes 0, 1, 2 ...), with a table of size, time and distance.",
     "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16", run_lod};

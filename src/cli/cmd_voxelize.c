@@ -7,21 +7,15 @@
 
 enum { DEFAULT_RESOLUTION = 256 };
 
-static int check_voxelize_options(cli_run *run)
+static int check_voxelize_options(cli_run *run, bvx_window *window)
 {
     const cli_options *const o = &run->options;
-    int32_t const format = bvx_format_of_name(o->output);
-    size_t const n = strlen(o->output);
-    if (format != BVX_FORMAT_NPY || (n > 3 && strcmp(o->output + n - 3, ".gz") == 0))
-        return cli_usage(run, "%s: the name ends in no grid format that is written (.npy)", o->output);
+    int const status = cli_check_grid_name(run, o->output);
+    if (status != CLI_DONE) return status;
     if (o->resolution.count != 0 && o->spacing != 0.0) return cli_usage(run, "--resolution and --spacing exclude each other");
     if (o->origin.given && o->spacing == 0.0) return cli_usage(run, "--origin needs --spacing");
     if (o->origin.given && o->padding != 0) return cli_usage(run, "--origin and --padding exclude each other");
-    for (int a = 0; a < 3 && o->window.count != 0; a++)
-        if (o->window.value[a] >= o->window.value[a + 3])
-            return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not behind %" PRId64, o->window.value[a + 3],
-                             o->window.value[a]);
-    return CLI_DONE;
+    return cli_window_option(run, window);
 }
 
 /* From a given corner up to the mesh's high end. */
@@ -59,56 +53,51 @@ static bvx_status make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_latt
     return bvx_lattice_fit_with(run->context, view, &fit, lattice);
 }
 
-static void say_grid(cli_run *run, const bvx_grid *g, uint64_t set, const bvx_solid_report *report)
+static void say_solid(cli_run *run, const bvx_grid *g, const bvx_solid_report *report)
 {
     const bvx_lattice *const l = &g->lattice;
-    double const all = (double)g->size[0] * g->size[1] * g->size[2];
-    cli_say(run, "%s -> %s\n", run->options.input[0], run->options.output);
-    cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1], g->size[2]);
-    cli_say(run, "  voxels      %" PRIu64 " set, %.3g %% of all\n", set, 100.0 * (double)set / all);
-    cli_say(run, "  spacing     %.9g, %.9g, %.9g\n", l->spacing[0], l->spacing[1], l->spacing[2]);
-    cli_say(run, "  origin      %.9g, %.9g, %.9g\n", l->origin[0] + g->low[0] * l->spacing[0],
-            l->origin[1] + g->low[1] * l->spacing[1], l->origin[2] + g->low[2] * l->spacing[2]);
+    cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
+    cli_say_grid(run, g, run->report.set, 1);
     if (report->unbalanced_rows != 0)
         cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
                  " crossings were dropped",
                  report->unbalanced_rows, (uint64_t)l->dims[1] * (uint64_t)l->dims[2], report->dropped);
-    if (set == 0) cli_warn(run, "no voxel is set: no centre lies inside the mesh");
+    if (run->report.set == 0) cli_warn(run, "no voxel is set: no centre lies inside the mesh");
 }
 
-static int voxelize_mesh(cli_run *run, const bvx_mesh *mesh, bvx_grid *grid, bvx_buffer *file)
+/* The lattice, and whether the output can hold it. */
+static int choose_lattice(cli_run *run, const bvx_mesh_view *view, const bvx_window *window)
 {
-    const cli_options *const o = &run->options;
+    bvx_lattice *const l = &run->report.lattice;
+    bvx_status const status = make_lattice(run, view, l);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    run->report.has_lattice = 1;
+    return cli_check_grid_format(run, run->options.output, l, window->size[0] != 0 ? window->size : l->dims);
+}
+
+static int voxelize_mesh(cli_run *run, const bvx_mesh *mesh, const bvx_window *window, bvx_grid *grid)
+{
     bvx_solid_report report;
     bvx_voxelize_options v;
     bvx_mesh_view view;
     bvx_status status;
-    double start = cli_seconds();
     int result;
     memset(&report, 0, sizeof report);
     bvx_mesh_view_of(mesh, &view);
     bvx_voxelize_options_init(&v, sizeof v);
-    v.fill = o->fill;
+    v.fill = run->options.fill;
     v.report = &report;
-    for (int a = 0; a < 3 && o->window.count != 0; a++) {
-        v.window.low[a] = (int32_t)o->window.value[a];
-        v.window.size[a] = (int32_t)(o->window.value[a + 3] - o->window.value[a]);
-    }
-    status = make_lattice(run, &view, &run->report.lattice);
-    if (status != BVX_OK) return cli_fail_status(run, status, o->input[0]);
-    run->report.has_lattice = 1;
+    v.window = *window;
+    cli_stage_begin(run, "voxelize");
+    result = choose_lattice(run, &view, window);
+    if (result != CLI_DONE) return result;
     status = bvx_voxelize_solid(run->context, &view, &run->report.lattice, &v, grid);
-    cli_stage(run, start, "voxelize");
-    if (status != BVX_OK) return cli_fail_status(run, status, o->input[0]);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
     bvx_grid_count(run->context, grid, &run->report.set);
     run->report.has_set = 1;
-    start = cli_seconds();
-    status = bvx_write_grid(run->context, grid, BVX_FORMAT_NPY, file);
-    if (status != BVX_OK) return cli_fail_status(run, status, o->output);
-    result = cli_write_output(run, 0, file);
-    if (result == CLI_DONE) result = cli_keep_outputs(run);
-    cli_stage(run, start, "write");
-    if (result == CLI_DONE) say_grid(run, grid, run->report.set, &report);
+    result = cli_write_grid(run, grid);
+    if (result == CLI_DONE) say_solid(run, grid, &report);
     return result;
 }
 
@@ -116,19 +105,22 @@ static int run_voxelize(cli_run *run)
 {
     bvx_mesh mesh = {0};
     bvx_grid grid = {0};
-    bvx_buffer file = {0};
-    int status = check_voxelize_options(run);
-    if (status == CLI_DONE) status = cli_open_output(run, run->options.output);
+    bvx_window window;
+    int kind, status = check_voxelize_options(run, &window);
+    if (status == CLI_DONE) status = cli_input_kind(run, run->options.input[0], &kind);
+    if (status == CLI_DONE && kind == CLI_GRID)
+        return cli_usage(run, "%s is a grid already: 'bitvox convert' writes it in another format", cli_input_name(run->options.input[0]));
+    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options.output);
     if (status == CLI_DONE) status = cli_read_mesh(run, run->options.input[0], &mesh);
-    if (status == CLI_DONE) status = voxelize_mesh(run, &mesh, &grid, &file);
-    bvx_buffer_free(run->context, &file);
+    if (status == CLI_DONE) status = voxelize_mesh(run, &mesh, &window, &grid);
     bvx_grid_free(run->context, &grid);
     bvx_mesh_free(run->context, &mesh);
     return status;
 }
 
 const cli_command cli_voxelize = {
-    "voxelize", CLI_VOXELIZE, 1, "IN -o OUT.npy [options]", "the solid of a mesh as a grid of voxels",
-    "Reads a mesh (.stl .obj .ply, also with .gz) and writes the voxels whose centres lie inside it:\n"
-    "NumPy's .npy, bool, axes x, y, z.",
+    "voxelize", CLI_VOXELIZE, 1, 1, "IN -o OUT [options]", "the solid of a mesh as a grid of voxels",
+    "Reads a mesh (.stl .obj .ply .off, also with .gz) and writes the voxels whose centres lie inside it:\n"
+    ".npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a side), .nrrd, .vti or .bvx. .npy and\n"
+    ".vox hold no lattice: it goes to OUT.json beside them.",
     "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128", run_voxelize};

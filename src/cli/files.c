@@ -1,8 +1,7 @@
-/* files.c - whole files in, whole files out.
+/* files.c - whole files in.
  *
- * A file is read as a whole, within --memory-limit; gzip data are told by their first bytes and unpacked in memory.
- * An output is written under a temporary name in its own folder, which also shows at once whether that is possible,
- * and gets its name when everything is done; whatever happens before leaves the folder as it was. */
+ * A file is read as a whole, within --memory-limit or what the machine can bear; gzip data are told by their first bytes
+ * and unpacked in memory. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
 #define FILES_POSIX 1
@@ -19,9 +18,12 @@
 #include <stdlib.h>
 #include <string.h>
 #if FILES_POSIX
-#include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#elif defined(_WIN32)
+#include <fcntl.h>
+#include <io.h>
 #endif
 #ifdef BVX_HAVE_ZLIB
 #include <zlib.h>
@@ -29,63 +31,116 @@
 
 enum { FILES_CHUNK = 1 << 20 };
 
-/* Bytes of a file; size of them count, room are there. */
-typedef struct file_bytes {
-    unsigned char *bytes;
-    size_t size, room;
-    uint64_t limit; /* of room; 0: none */
-} file_bytes;
+#define FILES_MACHINE (UINT64_C(4) << 30) /* bytes of memory, where the system does not tell its memory */
 
-/* ---- in ---- */
+/* ---- room ---- */
+
+/* Memory that this process may use: the machine's, or less where a container or a limit of the shell allows less. */
+static uint64_t memory_of_process(void)
+{
+    uint64_t memory = FILES_MACHINE;
+#if FILES_POSIX
+    struct rlimit space;
+    FILE *file;
+#if defined(_SC_PHYS_PAGES)
+    long const pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    if (pages > 0 && page > 0) memory = (uint64_t)pages * (uint64_t)page;
+#endif
+    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY && space.rlim_cur < memory)
+        memory = (uint64_t)space.rlim_cur;
+    file = fopen("/sys/fs/cgroup/memory.max", "r"); /* Linux: a number, or "max" */
+    if (file != NULL) {
+        uint64_t most;
+        if (fscanf(file, "%" SCNu64, &most) == 1 && most < memory) memory = most;
+        fclose(file);
+    }
+#endif
+    return memory < SIZE_MAX ? memory : SIZE_MAX;
+}
+
+/* Half of it: what is made of a file takes as much again. */
+static uint64_t machine_ceiling(void)
+{
+    return memory_of_process() / 2;
+}
+
+static uint64_t bytes_ceiling(const cli_run *run)
+{
+    return run->options.memory_limit != 0 ? run->options.memory_limit : machine_ceiling();
+}
+
+/* more: the bytes that do not fit, in words. */
+static int fail_ceiling(cli_run *run, const char *path, const char *more, uint64_t limit)
+{
+    if (run->options.memory_limit != 0)
+        return cli_fail(run, "%s: %s the %" PRIu64 " bytes that --memory-limit leaves for it", cli_input_name(path), more, limit);
+    return cli_fail(run, "%s: %s %" PRIu64 " bytes, half of the memory there is; --memory-limit sets another limit",
+                    cli_input_name(path), more, limit);
+}
 
 /* Room for more bytes: as much again, within the limit. */
-static int grow_bytes(cli_run *run, const char *path, file_bytes *b)
+static int grow_bytes(cli_run *run, const char *path, cli_bytes *b)
 {
     size_t room = b->room < SIZE_MAX / 2 ? b->room * 2 : SIZE_MAX;
     unsigned char *more;
-    if (b->limit != 0 && room > b->limit) room = (size_t)b->limit;
-    if (room <= b->room)
-        return cli_fail(run, "%s: holds more than the %" PRIu64 " bytes that --memory-limit leaves for it", path,
-                        b->limit != 0 ? b->limit : (uint64_t)SIZE_MAX);
+    if (room > b->limit) room = (size_t)b->limit;
+    if (room <= b->room) return fail_ceiling(run, path, "holds more than", b->limit);
     more = realloc(b->bytes, room);
-    if (more == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", path, (uint64_t)room);
+    if (more == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path), (uint64_t)room);
     b->bytes = more;
     b->room = room;
+    cli_large_block(more, room);
     return CLI_DONE;
 }
 
-static int start_bytes(cli_run *run, const char *path, uint64_t guess, uint64_t limit, file_bytes *b)
+static int start_bytes(cli_run *run, const char *path, uint64_t guess, uint64_t limit, cli_bytes *b)
 {
     memset(b, 0, sizeof *b);
-    b->limit = limit;
+    b->limit = limit < SIZE_MAX ? limit : SIZE_MAX;
     if (guess > SIZE_MAX - 1) guess = SIZE_MAX - 1;
     b->room = (size_t)guess + 1; /* one more, so that the end is seen without growing */
-    if (limit != 0 && b->room > limit) b->room = (size_t)limit;
+    if (b->room > b->limit) b->room = (size_t)b->limit;
     b->bytes = malloc(b->room);
-    if (b->bytes == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", path, (uint64_t)b->room);
+    if (b->bytes == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path), (uint64_t)b->room);
+    cli_large_block(b->bytes, b->room);
     return CLI_DONE;
 }
 
-/* Bytes held beside what the context has now. */
-static void note_peak(cli_run *run, uint64_t bytes)
-{
-    uint64_t const all = bytes + bvx_memory_peak(run->context);
-    if (all > run->report.peak_bytes) run->report.peak_bytes = all;
-}
+/* ---- reading ---- */
 
-static int read_bytes(cli_run *run, const char *path, FILE *file, file_bytes *b)
+/* Bytes of a plain file; 0 when they show only while reading (a pipe), -1 with errno when it is none to read. */
+static int64_t size_of_file(FILE *file)
 {
     long size = -1;
-    int status, error = 0;
+#if FILES_POSIX
+    struct stat s;
+    if (fstat(fileno(file), &s) != 0) return -1;
+    if (S_ISDIR(s.st_mode)) {
+        errno = EISDIR;
+        return -1;
+    }
+    if (!S_ISREG(s.st_mode)) return 0;
+#endif
     if (fseek(file, 0, SEEK_END) == 0) size = ftell(file);
     rewind(file);
-    if (size < 0 || size == LONG_MAX) size = 0; /* a pipe, a folder: the size shows while reading */
-    if (run->options.memory_limit != 0 && (uint64_t)size > run->options.memory_limit)
-        return cli_fail(run, "%s: its %ld bytes are more than the %" PRIu64 " that --memory-limit allows", path, size,
-                        run->options.memory_limit);
-    status = start_bytes(run, path, size > 0 ? (uint64_t)size : FILES_CHUNK, run->options.memory_limit, b);
+    return size < 0 || size == LONG_MAX ? 0 : size;
+}
+
+static int read_bytes(cli_run *run, const char *path, FILE *file, cli_bytes *b)
+{
+    uint64_t const limit = bytes_ceiling(run);
+    int64_t const size = file != stdin ? size_of_file(file) : 0;
+    int status;
+    if (size < 0) return cli_fail(run, "%s: %s", path, strerror(errno));
+    if ((uint64_t)size > limit) {
+        char more[64];
+        snprintf(more, sizeof more, "its %" PRId64 " bytes are more than", size);
+        return fail_ceiling(run, path, more, limit);
+    }
+    status = start_bytes(run, path, size > 0 ? (uint64_t)size : FILES_CHUNK, limit, b);
     while (status == CLI_DONE) {
-        size_t want = b->room - b->size, got;
+        size_t const want = b->room - b->size;
+        size_t got;
         if (want == 0) {
             int const next = getc(file); /* exactly full: is there more? */
             if (next == EOF) break;
@@ -93,19 +148,21 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, file_bytes *b)
             status = grow_bytes(run, path, b);
             continue;
         }
+        errno = 0;
         got = fread(b->bytes + b->size, 1, want < FILES_CHUNK ? want : FILES_CHUNK, file);
-        error = errno; /* what follows may change it */
+        if (ferror(file)) return cli_fail(run, "%s: %s", cli_input_name(path), strerror(errno != 0 ? errno : EIO));
         b->size += got;
-        if (cli_progress(run, "read", 0.0)) return cli_fail_interrupted(run);
+        if (cli_progress(run, "read", size > 0 ? (double)b->size / (double)size : 0.0)) return cli_fail_interrupted(run);
         if (got == 0) break;
     }
-    if (status == CLI_DONE && ferror(file)) return cli_fail(run, "%s: %s", path, strerror(error));
     return status;
 }
 
+/* ---- gzip ---- */
+
 #ifdef BVX_HAVE_ZLIB
 /* One gzip member after the other, as gzip itself reads them; zero bytes behind the last are padding. */
-static int inflate_all(cli_run *run, const char *path, const file_bytes *packed, file_bytes *b, z_stream *z)
+static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, cli_bytes *b, z_stream *z)
 {
     size_t taken = 0;
     for (;;) {
@@ -125,193 +182,114 @@ static int inflate_all(cli_run *run, const char *path, const file_bytes *packed,
             if (taken == packed->size) return CLI_DONE;
             inflateReset(z);
         } else if (result == Z_BUF_ERROR && taken == packed->size) {
-            return cli_fail(run, "%s: gzip: the data end in their middle, at byte %" PRIu64, path, (uint64_t)taken);
+            return cli_fail(run, "%s: gzip: the data end in their middle, at byte %" PRIu64, cli_input_name(path), (uint64_t)taken);
         } else if (result != Z_OK && result != Z_BUF_ERROR) {
-            return cli_fail(run, "%s: gzip: %s near byte %" PRIu64, path, z->msg != NULL ? z->msg : "damaged data",
+            return cli_fail(run, "%s: gzip: %s near byte %" PRIu64, cli_input_name(path), z->msg != NULL ? z->msg : "damaged data",
                             (uint64_t)taken);
         }
     }
 }
 
-static int unpack(cli_run *run, const char *path, file_bytes *b)
+/* The size that the last four bytes tell, where it may be true; else four times the packed. */
+static uint64_t guess_unpacked(const cli_bytes *packed)
 {
-    file_bytes plain;
+    const unsigned char *p;
+    uint64_t told;
+    if (packed->size < 18) return 64; /* no whole file */
+    p = packed->bytes + packed->size - 4;
+    told = (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
+    return told >= packed->size && told / 1100 <= packed->size ? told : (uint64_t)packed->size * 4; /* deflate: 1032 at most */
+}
+
+static int unpack(cli_run *run, const char *path, cli_bytes *b)
+{
+    cli_bytes plain;
     z_stream z;
-    uint64_t const limit = b->limit > b->size ? b->limit - b->size : b->limit != 0 ? 1 : 0; /* both are held for a while */
-    int status = start_bytes(run, path, (uint64_t)b->size * 4, limit, &plain);
+    uint64_t const limit = b->limit > b->size ? b->limit - b->size : 1; /* both are held for a while */
+    int status = start_bytes(run, path, guess_unpacked(b), limit, &plain);
     if (status != CLI_DONE) return status;
     memset(&z, 0, sizeof z);
     if (inflateInit2(&z, 15 + 16) != Z_OK) { /* the largest window, gzip's head and foot */
         free(plain.bytes);
-        return cli_fail(run, "%s: gzip: no memory to unpack it", path);
+        return cli_fail(run, "%s: gzip: no memory to unpack it", cli_input_name(path));
     }
     status = inflate_all(run, path, b, &plain, &z);
     inflateEnd(&z);
-    note_peak(run, (uint64_t)b->size + plain.size);
+    cli_note_peak(run, (uint64_t)b->size + plain.size);
     free(b->bytes);
     *b = plain;
     return status;
 }
 #else
-static int unpack(cli_run *run, const char *path, file_bytes *b)
+static int unpack(cli_run *run, const char *path, cli_bytes *b)
 {
     (void)b;
-    return cli_fail(run, "%s: gzip data, which this build cannot unpack: it was made without zlib", path);
+    return cli_fail(run, "%s: gzip data, which this build cannot unpack: it was made without zlib", cli_input_name(path));
 }
 #endif
 
-static int is_gzip(const char *path, const file_bytes *b)
+static int is_gzip(const char *path, const cli_bytes *b)
 {
     size_t const n = strlen(path);
     return (b->size >= 2 && b->bytes[0] == 0x1f && b->bytes[1] == 0x8b) || (n > 3 && strcmp(path + n - 3, ".gz") == 0);
 }
 
-int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
+/* ---- inputs ---- */
+
+const char *cli_input_name(const char *path)
 {
-    int32_t const format = bvx_format_of_name(path);
-    double start = cli_seconds();
-    file_bytes b = {NULL, 0, 0, 0};
+    return strcmp(path, "-") == 0 ? "standard input" : path;
+}
+
+int32_t cli_input_format(const cli_run *run, const char *path)
+{
+    return strcmp(path, "-") == 0 ? run->options.format : bvx_format_of_name(path);
+}
+
+int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
+{
+    int const standard = strcmp(path, "-") == 0;
     FILE *file;
     int status;
-    if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY)
-        return cli_fail(run, "%s: the name ends in no mesh format that is read (.stl .obj .ply, also with .gz)", path);
-    file = fopen(path, "rb");
+    memset(b, 0, sizeof *b);
+#if defined(_WIN32)
+    if (standard) _setmode(_fileno(stdin), _O_BINARY);
+#endif
+    cli_stage_begin(run, "read");
+    file = standard ? stdin : fopen(path, "rb");
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
-    status = read_bytes(run, path, file, &b);
-    fclose(file);
-    if (status == CLI_DONE && is_gzip(path, &b)) status = unpack(run, path, &b);
-    cli_stage(run, start, "read");
-    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
-    if (status == CLI_DONE) {
-        start = cli_seconds();
-        bvx_status const read = bvx_read_mesh(run->context, b.bytes, b.size, format, mesh);
-        cli_stage(run, start, "parse");
-        note_peak(run, b.size);
-        bvx_memory_reset_peak(run->context);
-        if (read != BVX_OK) status = cli_fail_status(run, read, path);
-    }
-    free(b.bytes);
+    status = read_bytes(run, path, file, b);
+    if (!standard) fclose(file);
+    if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
+    cli_note_peak(run, b->size);
+    cli_stage_end(run);
     return status;
 }
 
-/* ---- out ---- */
-
-static char *copy_text(const char *text)
+static int is_mesh_format(int32_t format)
 {
-    char *const copy = malloc(strlen(text) + 1);
-    if (copy != NULL) memcpy(copy, text, strlen(text) + 1);
-    return copy;
+    return format == BVX_FORMAT_STL || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_PLY || format == BVX_FORMAT_OFF;
 }
 
-/* A new file beside path, under a name that no file has. NULL with errno. */
-static FILE *make_temporary(const char *path, char **name)
+int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
 {
-    size_t const room = strlen(path) + 40;
-    char *const text = malloc(room);
-    FILE *file = NULL;
-    if (text == NULL) return NULL;
-    for (int i = 0; i < 100 && file == NULL; i++) {
-#if FILES_POSIX
-        int number;
-        snprintf(text, room, "%s.%ld-%d.part", path, (long)getpid(), i);
-        number = open(text, O_WRONLY | O_CREAT | O_EXCL, 0666);
-        if (number < 0 && errno != EEXIST) break;
-        if (number >= 0) file = fdopen(number, "wb");
-#else
-        snprintf(text, room, "%s.%d.part", path, i);
-        file = fopen(text, "rb");
-        if (file != NULL) {
-            fclose(file);
-            file = NULL;
-            continue;
-        }
-        file = fopen(text, "wb");
-        if (file == NULL) break;
-#endif
+    int32_t const format = cli_input_format(run, path);
+    cli_bytes b = {NULL, 0, 0, 0};
+    int status;
+    if (strcmp(path, "-") == 0 && !is_mesh_format(format))
+        return cli_usage(run, "--format names no mesh format that is read (stl, obj, ply, off)");
+    if (!is_mesh_format(format))
+        return cli_fail(run, "%s: the name ends in no mesh format that is read (.stl .obj .ply .off, also with .gz)", path);
+    status = cli_read_file(run, path, &b);
+    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
+    if (status == CLI_DONE) {
+        cli_stage_begin(run, "parse");
+        bvx_status const read = bvx_read_mesh(run->context, b.bytes, b.size, format, mesh);
+        cli_stage_end(run);
+        cli_note_peak(run, b.size);
+        bvx_memory_reset_peak(run->context);
+        if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
     }
-    if (file == NULL) free(text);
-    else *name = text;
-    return file;
-}
-
-/* What stands at path: 0 nothing or a plain file that may be replaced, 1 something to write into as it is (a pipe, a
- * device), -1 refused with errno. */
-static int look_at_output(const char *path)
-{
-#if FILES_POSIX
-    struct stat s;
-    if (stat(path, &s) != 0) return errno == ENOENT ? 0 : -1;
-    if (S_ISDIR(s.st_mode)) {
-        errno = EISDIR;
-        return -1;
-    }
-    if (access(path, W_OK) != 0) return -1;
-    return S_ISREG(s.st_mode) ? 0 : 1;
-#else
-    (void)path;
-    return 0;
-#endif
-}
-
-int cli_open_output(cli_run *run, const char *path)
-{
-    cli_output *const o = &run->output[run->outputs];
-    int const kind = look_at_output(path);
-    FILE *file;
-    if (kind < 0) return cli_fail(run, "%s: cannot be written: %s", path, strerror(errno));
-    o->temporary = NULL;
-    o->path = copy_text(path);
-    if (o->path == NULL) return cli_fail(run, "%s: no memory for its name", path);
-    run->outputs++;
-    if (kind == 1) return CLI_DONE;
-    file = make_temporary(path, &o->temporary);
-    if (file == NULL) return cli_fail(run, "%s: cannot be written: %s", path, strerror(errno));
-    fclose(file);
-    return CLI_DONE;
-}
-
-int cli_write_output(cli_run *run, int number, const bvx_buffer *file)
-{
-    const cli_output *const o = &run->output[number];
-    FILE *const out = fopen(o->temporary != NULL ? o->temporary : o->path, "wb");
-    uint64_t written = 0;
-    if (out == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(errno));
-    errno = 0;
-    while (written < file->size) {
-        size_t const rest = (size_t)(file->size - written), part = rest < FILES_CHUNK ? rest : FILES_CHUNK;
-        if (fwrite(file->bytes + written, 1, part, out) != part) break;
-        written += part;
-        if (cli_progress(run, "write", (double)written / (double)file->size)) {
-            fclose(out);
-            return cli_fail_interrupted(run);
-        }
-    }
-    if ((fclose(out) != 0) | (written < file->size))
-        return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(errno != 0 ? errno : EIO));
-    return CLI_DONE;
-}
-
-int cli_keep_outputs(cli_run *run)
-{
-    for (int i = 0; i < run->outputs; i++) {
-        cli_output *const o = &run->output[i];
-        if (o->temporary == NULL) continue;
-#if !FILES_POSIX
-        remove(o->path); /* rename does not replace there */
-#endif
-        if (rename(o->temporary, o->path) != 0) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(errno));
-        free(o->temporary);
-        o->temporary = NULL;
-    }
-    return CLI_DONE;
-}
-
-void cli_drop_outputs(cli_run *run)
-{
-    for (int i = 0; i < run->outputs; i++) {
-        if (run->output[i].temporary != NULL) remove(run->output[i].temporary);
-        free(run->output[i].temporary);
-        free(run->output[i].path);
-    }
-    run->outputs = 0;
+    free(b.bytes);
+    return status;
 }

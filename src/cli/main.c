@@ -1,12 +1,28 @@
 /* main.c - the bitvox program: commands, help, exit status. */
+#if defined(__unix__) || defined(__APPLE__)
+#define _POSIX_C_SOURCE 200809L
+#define MAIN_POSIX 1
+#else
+#define MAIN_POSIX 0
+#endif
+
 #include "cli/cli.h"
 
 #include <stdio.h>
 #include <string.h>
+#if MAIN_POSIX
+#include <fcntl.h>
+#include <unistd.h>
+#endif
 
-static const cli_command *const commands[] = {&cli_lod, &cli_info, &cli_voxelize, &cli_render};
+static const cli_command *const commands[] = {&cli_lod, &cli_info, &cli_voxelize, &cli_convert, &cli_compare, &cli_render};
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+const cli_command *cli_command_at(int i)
+{
+    return i >= 0 && i < COMMANDS ? commands[i] : NULL;
+}
 
 static const char *next_command(const void *user, int i)
 {
@@ -21,21 +37,33 @@ static const cli_command *find_command(const char *name)
     return NULL;
 }
 
+static int end_of_output(cli_run *run)
+{
+    return fflush(stdout) == 0 && !ferror(stdout) ? CLI_DONE : cli_fail(run, "standard output cannot be written");
+}
+
+/* ---- help ---- */
+
 static void print_overview(FILE *to)
 {
     fprintf(to, "bitvox - shapes to bit-packed voxels and back\n\n"
                 "usage: bitvox COMMAND IN -o OUT [options]\n\n");
     for (int i = 0; i < COMMANDS; i++) fprintf(to, "  %-10s %s\n", commands[i]->name, commands[i]->does);
-    fprintf(to, "\nbitvox COMMAND --help tells a command's options; bitvox --version tells the version.\n"
+    fprintf(to, "\nbitvox COMMAND --help tells a command's options; bitvox --version tells the version;\n"
+                "bitvox help --man is the manual page, bitvox help --bash-completion a script for bash.\n"
                 "Exit status: 0 done, 1 bad input or failure, 2 wrong usage, 130 interrupted.\n");
 }
 
-static int print_help(const cli_command *c)
+static void print_help(const cli_command *c)
 {
     printf("usage: bitvox %s %s\n\n%s\n\noptions:\n", c->name, c->usage, c->details);
     cli_print_options(c->bit);
-    printf("\nexample:\n  %s\n", c->example);
-    return fflush(stdout) == 0 ? CLI_DONE : CLI_FAILED;
+    printf("\n%s:\n", strchr(c->example, '\n') != NULL ? "examples" : "example");
+    for (const char *p = c->example; *p != 0;) {
+        size_t const n = strcspn(p, "\n");
+        printf("  %.*s\n", (int)n, p);
+        p += n + (p[n] != 0);
+    }
 }
 
 static int refuse_command(cli_run *run, const char *name)
@@ -47,22 +75,23 @@ static int refuse_command(cli_run *run, const char *name)
 
 static int help(cli_run *run, int count, char **word)
 {
-    const cli_command *command;
-    if (count == 0) {
-        print_overview(stdout);
-        return fflush(stdout) == 0 ? CLI_DONE : CLI_FAILED;
-    }
     if (count > 1) return cli_usage(run, "'%s' is one word too many; help takes one command", word[1]);
-    command = find_command(word[0]);
-    return command != NULL ? print_help(command) : refuse_command(run, word[0]);
+    if (count == 0) print_overview(stdout);
+    else if (strcmp(word[0], "--man") == 0) cli_print_manual();
+    else if (strcmp(word[0], "--bash-completion") == 0) cli_print_completion();
+    else if (find_command(word[0]) != NULL) print_help(find_command(word[0]));
+    else return refuse_command(run, word[0]);
+    return end_of_output(run);
 }
 
-static int print_version(void)
+static int print_version(cli_run *run)
 {
     int32_t const v = bvx_version();
     printf("bitvox %d.%d.%d\n", (int)(v / 10000), (int)(v / 100 % 100), (int)(v % 100));
-    return fflush(stdout) == 0 ? CLI_DONE : CLI_FAILED;
+    return end_of_output(run);
 }
+
+/* ---- running ---- */
 
 int cli_make_context(cli_run *run, uint64_t file_bytes)
 {
@@ -71,6 +100,7 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     bvx_context_options_init(&o, sizeof o);
     o.threads = run->options.threads;
     cli_pool_offer(&o);
+    cli_blocks_offer(&o);
     o.progress = cli_progress;
     o.progress_user = run;
     if (run->options.memory_limit != 0)
@@ -80,37 +110,73 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, NULL);
 }
 
+/* The last words: the report of --json, or what is left of the text. */
+static int end_of_run(cli_run *run, int status)
+{
+    if (run->options.json && !cli_report_print(run, status) && status == CLI_DONE)
+        status = cli_fail(run, "standard output cannot be written");
+    return status == CLI_DONE ? end_of_output(run) : status;
+}
+
 static int run_command(cli_run *run, int count, char **word)
 {
     int status = cli_parse(run, count, word);
-    if (status == CLI_DONE && run->options.help) return print_help(run->command);
+    if (status == CLI_DONE && run->options.help) {
+        print_help(run->command);
+        return end_of_output(run);
+    }
     if (status == CLI_DONE) {
-        cli_catch_interrupts();
         run->start = cli_seconds();
+        cli_watch_run(run);
         status = run->command->run(run);
-        cli_clear_bar(run);
-        if (bvx_memory_peak(run->context) > run->report.peak_bytes) run->report.peak_bytes = bvx_memory_peak(run->context);
+        cli_progress_end(run, status);
+        cli_note_peak(run, 0);
         cli_drop_outputs(run);
     }
-    if (run->options.json && !cli_report_print(run, status) && status == CLI_DONE) status = CLI_FAILED;
-    if (status == CLI_DONE && fflush(stdout) != 0) status = cli_fail(run, "standard output cannot be written");
+    status = end_of_run(run, status);
     bvx_context_destroy(run->context);
-    cli_report_free(&run->report);
     return status;
+}
+
+/* A closed standard stream must not hand its number to the next file that is opened; what is written to it fails. */
+static void hold_standard_streams(void)
+{
+#if MAIN_POSIX
+    for (int i = 0; i < 3; i++)
+        if (fcntl(i, F_GETFD) == -1) (void)!open("/dev/null", i == 0 ? O_WRONLY : O_RDONLY);
+#endif
+}
+
+static int is_asked_for(const char *name, int count, char **word)
+{
+    for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++)
+        if (strcmp(word[i], name) == 0) return 1;
+    return 0;
+}
+
+static int run_words(cli_run *run, int count, char **word)
+{
+    if (count <= 0) {
+        print_overview(stderr);
+        return CLI_USAGE;
+    }
+    if (strcmp(word[0], "help") == 0) return help(run, count - 1, word + 1);
+    if (strcmp(word[0], "--help") == 0 || strcmp(word[0], "-h") == 0) return help(run, 0, NULL);
+    if (strcmp(word[0], "--version") == 0) return print_version(run);
+    run->command = find_command(word[0]);
+    if (run->command != NULL) return run_command(run, count - 1, word + 1);
+    run->options.json = is_asked_for("--json", count, word);
+    return end_of_run(run, refuse_command(run, word[0]));
 }
 
 int main(int count, char **word)
 {
     static cli_run run; /* zeroed, and too large for some stacks */
+    int status;
+    hold_standard_streams();
+    cli_watch_start();
     run.options.samples = -1;
-    if (count < 2) {
-        print_overview(stderr);
-        return CLI_USAGE;
-    }
-    if (strcmp(word[1], "help") == 0) return help(&run, count - 2, word + 2);
-    if (strcmp(word[1], "--help") == 0 || strcmp(word[1], "-h") == 0) return help(&run, 0, NULL);
-    if (strcmp(word[1], "--version") == 0) return print_version();
-    run.command = find_command(word[1]);
-    if (run.command == NULL) return refuse_command(&run, word[1]);
-    return run_command(&run, count - 2, word + 2);
+    status = run_words(&run, count - 1, word + 1);
+    cli_watch_end(status);
+    return status;
 }

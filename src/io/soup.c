@@ -13,7 +13,7 @@ enum { SOUP_LEAST = 1024 }; /* triangles to begin with, and places of the table 
 #if defined(__GNUC__)
 #define SOUP_PREFETCH(address) __builtin_prefetch(address)
 #else
-#define SOUP_PREFETCH(address) (void)0
+#define SOUP_PREFETCH(address) ((void)(address))
 #endif
 
 static inline uint64_t soup_hash(const uint32_t bits[3])

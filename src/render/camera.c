@@ -6,6 +6,7 @@
 #include <math.h>
 
 #define CAMERA_FILLS 0.94 /* of the frame's side; the rest is margin */
+#define CAMERA_FAR 1e6    /* most that is shown; the model's size is about 1 */
 #define CAMERA_THIN 1e-9  /* least extent that the scale is taken from; the model's size is about 1 */
 
 static double camera_length(const double v[3])
@@ -56,6 +57,15 @@ void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double hig
     for (int k = 0; k < 2 && camera_length(right) < 1e-6; k++) camera_cross(instead[k], camera->axis[2], right);
     camera_normalize(right, camera->axis[0]);
     camera_cross(camera->axis[2], camera->axis[0], camera->axis[1]);
+}
+
+void bvxi_camera_show(const bvxi_camera *camera, const double show[2], bvxi_camera_extent *extent)
+{
+    for (int a = 0; a < 2 && (show[0] > 0.0 || show[1] > 0.0); a++) {
+        double const wanted = show[a] * camera->unit, half = wanted < CAMERA_FAR ? wanted : CAMERA_FAR;
+        extent->low[a] = -half < extent->low[a] ? -half : extent->low[a];
+        extent->high[a] = half > extent->high[a] ? half : extent->high[a];
+    }
 }
 
 void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int32_t width, int32_t height)

@@ -26,6 +26,9 @@ void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double hig
 /* Turn about the middle of another box, inside the first: less is lost to rounding where only that part is drawn. */
 void bvxi_camera_move(bvxi_camera *camera, const double low[3], const double high[3]);
 
+/* Make room for so much on either side of what the camera turns about, along right and up [Units: world]. */
+void bvxi_camera_show(const bvxi_camera *camera, const double show[2], bvxi_camera_extent *extent);
+
 /* Fit the extremes into a frame of so many samples, with a margin. */
 void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int32_t width, int32_t height);
 

@@ -96,6 +96,7 @@ static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
                          bvxi_kept_rows(s->begin, s->end) < bvxi_grid_rows(s->grid) || s->end[0] - s->begin[0] < s->grid->size[0]
                              ? " where the cut leaves any"
                              : "");
+    bvxi_camera_show(&s->picture.camera, s->picture.options.show, &all);
     bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
     return BVX_OK;
 }

@@ -10,7 +10,8 @@ enum { PICTURE_SIDE = 16384 };
 
 static const bvx_render_options render_defaults = {
     0, 1024, 768, {3.0, -4.0, 2.0}, {0.0, 0.0, 1.0}, {200, 196, 188, 0}, {255, 255, 255, 0}, 0, 2, 0, 0,
-    {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY}, {(double)INFINITY, (double)INFINITY, (double)INFINITY}};
+    {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY}, {(double)INFINITY, (double)INFINITY, (double)INFINITY},
+    {0.0, 0.0}};
 
 void bvx_render_options_init(bvx_render_options *options, size_t size)
 {
@@ -34,6 +35,10 @@ static bvx_status check_picture_view(bvx_context *ctx, const char *function, con
     BVXI_TRY(check_picture_direction(ctx, function, "up", o->up));
     if (o->smooth != 0 && o->smooth != 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: smooth is %d, not 0 or 1", function, (int64_t)o->smooth);
+    for (int a = 0; a < 2; a++)
+        if (!(o->show[a] >= 0.0) || o->show[a] - o->show[a] != 0.0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: show is %g, %g; both must be 0 or more, and finite", function, o->show[0],
+                             o->show[1]);
     if (o->wireframe != 0 && o->wireframe != 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: wireframe is %d, not 0 or 1", function, (int64_t)o->wireframe);
     return BVX_OK;

@@ -91,6 +91,7 @@ static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
     bvxi_free(ctx, s->extent, size);
     BVXI_TRY(status);
     if (all.low[0] > all.high[0]) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
+    bvxi_camera_show(&s->picture.camera, s->picture.options.show, &all);
     bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
     return BVX_OK;
 }

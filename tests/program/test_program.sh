@@ -68,7 +68,11 @@ json() { # FILE, EXPRESSION over r
 run
 holds 'without a command: status 2' test $status = 2
 holds 'without a command: the commands are listed' grep -q 'voxelize' err
-for words in 'help' '--help' 'help lod' 'lod --help' 'info -h' 'voxelize --help' 'render --help' '--version'; do
+commands=$("$program" help | awk '/^  [a-z]/ { print $1 }')
+holds 'the overview names the commands' test "$(echo "$commands" | grep -c -x -E 'lod|info|voxelize|render')" = 4
+# shellcheck disable=SC2086
+for words in help --help help/lod info/-h --version help/--man help/--bash-completion $(printf '%s/--help ' $commands); do
+    words=$(echo "$words" | tr / ' ')
     # shellcheck disable=SC2086
     run $words
     if [ $status = 0 ] && [ -s out ] && [ ! -s err ]; then ok "bitvox $words"; else not_ok "bitvox $words" "status $status"; fi
@@ -77,16 +81,81 @@ run --version
 version=$(awk '/define BVX_VERSION_(MAJOR|MINOR|PATCH) / { v = v (v == "" ? "" : ".") $3 } END { print v }' "$root/include/bitvox.h")
 holds "the version is the header's" test "$(cat out)" = "bitvox $version"
 
-# The example in each help works as it stands, in the project's folder with the program on the path.
+# Every example in each command's help works as it stands, in the project's folder with the program on the path.
 mkdir example bin
 ln -s "$program" bin/bitvox
 ln -s "$root/fixtures" example/fixtures
-for command in info lod voxelize render; do
-    run $command --help
-    example=$(tail -n 1 out)
-    holds "the example of $command works" sh -c "cd example && PATH='$work/bin:$PATH' && $example"
+for command in $commands; do
+    "$program" "$command" --help | sed '1,/^examples*:$/d' >examples
+    holds "$command has an example" test -s examples
+    while IFS= read -r example; do
+        # shellcheck disable=SC2086
+        holds "works: $(echo $example)" sh -c "cd example && PATH='$work/bin:$PATH' && $example"
+    done <examples
 done
-rm -rf example bin
+rm -rf example
+
+# The completion for bash, as it would be asked while typing.
+if has bash; then
+    "$program" help --bash-completion >completion
+    cat >complete.sh <<'END'
+source ./completion
+compopt() { asked=$1; }
+COMP_WORDS=(bitvox "$@")
+COMP_CWORD=$#
+_bitvox
+[[ $asked == -o ]] && echo FILES || echo ${COMPREPLY[@]}
+END
+    complete_as() { bash complete.sh "$@"; } # WORDS...: what may stand in place of the last one
+    bash -c 'source ./completion; complete -p bitvox' >registered 2>&1
+    holds 'completion: bash registers it and says nothing' test "$(cat registered)" = 'complete -o default -F _bitvox bitvox'
+    holds 'completion: commands' test "$(complete_as re)" = render
+    holds 'completion: all commands and help' test "$(complete_as '' | wc -w)" = $(($(echo "$commands" | wc -l) + 3))
+    holds 'completion: options' test "$(complete_as lod x.ply --res)" = --resolution
+    holds 'completion: options of this command alone' test "$(complete_as info --le)" = ''
+    holds 'completion: names of a value' test "$(complete_as voxelize --fill n)" = nonzero
+    holds 'completion: names behind an equals sign' test "$(complete_as voxelize --progress = j)" = json
+    holds 'completion: right behind the equals sign' test "$(complete_as voxelize --progress =)" = 'auto bar json none'
+    holds 'completion: numbers are not guessed' test "$(complete_as lod --levels '')" = ''
+    holds 'completion: files' test "$(complete_as info '')" = FILES
+    holds 'completion: files behind -o' test "$(complete_as lod -o a)" = FILES
+    holds 'completion: files behind --' test "$(complete_as info -- -)" = FILES
+    holds 'completion: help' test "$(complete_as help --m)" = --man
+    for command in $commands; do
+        "$program" "$command" --help | awk '/^  -/ { print $1 }' | sort >wanted
+        complete_as "$command" - | tr ' ' '\n' | grep . | sort >offered
+        holds "completion: all options of $command" cmp wanted offered
+    done
+    rm -f wanted offered completion complete.sh registered
+else
+    skip 'completion' 'bash is missing'
+fi
+
+# The manual page: nothing to warn about, and nothing of the tables is missing.
+"$program" help --man >bitvox.1
+if has groff; then
+    groff -man -Tascii -ww -z bitvox.1 >warnings 2>&1
+    holds 'the manual page: groff warns of nothing' test ! -s warnings
+fi
+if has mandoc; then holds 'the manual page: mandoc finds no fault' mandoc -T lint -W error bitvox.1; fi
+if has man && man --version 2>/dev/null | grep -q '^man [0-9]'; then
+    LC_ALL=C man --warnings=w -l bitvox.1 >shown 2>warnings </dev/null
+    holds 'the manual page: man shows it and warns of nothing' sh -c 'grep -q "EXIT STATUS" shown && test ! -s warnings'
+fi
+sed 's/\\f[BIR]//g; s/\\-/-/g; s/\\e/\\/g; s/\\&//g' bitvox.1 >plain.txt
+for command in $commands; do
+    "$program" "$command" --help | awk '/^  -/ { print $1 }' | while read -r option; do
+        grep -q -e "^$option\( \|\$\)" plain.txt || echo "$option"
+    done >lacking
+    "$program" "$command" --help | sed '1,/^examples*:$/d; s/^  //' | while IFS= read -r example; do
+        grep -q -x -F -e "$example" plain.txt || echo "$example"
+    done >>lacking
+    grep -q -F "bitvox $command " plain.txt || echo "$command" >>lacking
+    holds "the manual page: $command with its options and examples" test ! -s lacking
+done
+holds 'the manual page: its sections' \
+    test "$(grep -c -x -E '\.SH (NAME|SYNOPSIS|DESCRIPTION|COMMANDS|FILES|EXIT STATUS|EXAMPLES)' bitvox.1)" = 7
+rm -f bitvox.1 plain.txt lacking examples shown warnings
 
 # ---- wrong usage: status 2 ----
 
@@ -138,13 +207,23 @@ refuses 2 'no picture format' render "$knot" -o x.jpg
 refuses 2 'like 1024x768' render "$knot" -o x.png --size 100
 refuses 2 'like 1024x768' render "$knot" -o x.png --size 0x100
 refuses 2 'points nowhere' render "$knot" -o x.png --from 0,0,0
-refuses 2 'standard input' info -
+refuses 2 'say it with --format' info -
+refuses 2 'is for standard input' info "$knot" --format ply
+refuses 2 'names no mesh format' info - --format png
+refuses 2 'only once' render - - --format ply -o x.png
+refuses 2 'one of: auto, bar, json, none' info "$knot" --progress=yes
+refuses 2 'exclude each other' info "$knot" --progress=bar --quiet
+refuses 2 'given twice' info "$knot" --progress=bar --progress=json
+refuses 2 '--progress meant' info "$knot" --progres
+refuses 2 '--memory-limit meant' info "$knot" --memory 1G
+refuses 2 '--from meant' render "$knot" -o x.png --fron 1,2,3
+refuses 2 '--size meant' render "$knot" -o x.png -size 9x9
 refuses 2 'standard output' render "$knot" -o -
 
 # ---- bad input: status 1 ----
 
 refuses 1 'No such file' info missing.ply
-refuses 1 'no mesh format that is read' info missing.npy
+refuses 1 'No such file' info missing.npy
 refuses 1 'no mesh format that is read' info missing
 mkdir folder.ply
 refuses 1 'irectory' info folder.ply
@@ -213,12 +292,25 @@ if [ -c /dev/full ]; then
     rm full.png
     "$program" info "$knot" >/dev/full 2>err
     holds 'a full standard output is a failure' test $? = 1
+    "$program" info --json "$knot" >/dev/full 2>err
+    status=$?
+    holds 'a full standard output is a failure of --json too' sh -c "test $status = 1 && grep -q '^bitvox: standard output' err"
+    "$program" help >/dev/full 2>err
+    holds 'a full standard output is a failure of help too' test $? = 1
 else
     skip 'a full device' 'there is no /dev/full'
 fi
 echo kept >x.png
 refuses 1 'No such file' render missing.ply -o x.png
 holds 'a failure leaves an older file alone' grep -q '^kept$' x.png
+refuses 1 'Not a directory' render "$knot" -o x.png/x.png
+rm -f x.png
+"$program" info "$knot" >&- 2>err
+holds 'a closed standard output is a failure' test $? = 1
+"$program" render "$knot" -o x.png --size 50x50 --quiet <&- >&- 2>&-
+status=$?
+holds 'closed streams do not get into files' sh -c "test $status = 0 && head -c 4 x.png | grep -q PNG"
+rm -f x.png
 
 # ---- what is written ----
 
@@ -268,7 +360,76 @@ holds 'a memory limit lowers the resolution' grep -q 'what memory allows' out
 cp "$knot" same.ply
 run lod same.ply -o same.ply --levels 16 --samples 0
 holds 'input and output may be one file' sh -c "test $status = 0 && test \$(wc -c <same.ply) -lt 100000"
-rm -f x_* y.* z* first.ply same.ply
+cp same.ply right.ply
+mkdir sub
+for way in 'ln -s same.ply other.ply' 'ln same.ply other.ply' 'ln -s ../same.ply sub/other.ply' 'ls same.ply'; do
+    cp "$knot" same.ply
+    chmod 640 same.ply
+    $way >/dev/null
+    other=./sub/..//same.ply
+    for name in other.ply sub/other.ply; do [ ! -e $name ] || other=$name; done
+    run lod same.ply -o "$other" --levels 16 --samples 0
+    holds "input and output one file by $way" sh -c "test $status = 0 && cmp $other right.ply"
+    case $way in
+    'ln -s'*) holds "input and output one file by $way: the link stays" test -L "$other" ;;
+    esac
+    holds "input and output one file by $way: so does the mode" test "$(ls -lL "$other" | cut -c 1-10)" = '-rw-r-----'
+    rm -f same.ply other.ply sub/*
+done
+rmdir sub
+ln -s later.ply dangling.ply
+run lod "$knot" -o dangling.ply --levels 16 --samples 0
+holds 'a link to nothing gets its file' sh -c 'test -L dangling.ply && cmp later.ply right.ply'
+ln -s loop.ply loop.ply
+refuses 1 'cannot be written' lod "$knot" -o loop.ply --levels 16
+rm -f loop.ply dangling.ply later.ply
+if has mkfifo; then
+    mkfifo out.ply in.ply
+    cat out.ply >piped.ply &
+    run lod "$knot" -o out.ply --levels 16 --samples 0
+    wait
+    holds 'an output that is a pipe' sh -c "test $status = 0 && test -p out.ply && cmp piped.ply right.ply"
+    : <out.ply &
+    run lod "$knot" -o out.ply --levels 300 --resolution 300 --samples 0
+    wait
+    holds 'an output that is a pipe which nobody reads to its end' sh -c "test $status = 1 && grep -q 'out.ply: cannot be written' err"
+    cat "$knot" >in.ply &
+    run lod in.ply -o piped.ply --levels 16 --samples 0
+    wait
+    holds 'an input that is a pipe' cmp piped.ply right.ply
+    # All or nothing: while the run waits for its input, the place of its second output is taken.
+    rm -f x_*
+    echo kept >x_0.ply
+    "$program" lod in.ply -o x_%d.ply --levels 16,12,8 --samples 0 >out 2>err &
+    child=$!
+    for i in 1 2 3 4 5 6 7 8 9; do ls bitvox-*-2.part >/dev/null 2>&1 || sleep 0.1; done
+    mkdir x_1.ply
+    cat "$knot" >in.ply
+    wait $child
+    status=$?
+    holds 'several outputs: one that fails undoes all' \
+        sh -c "test $status = 1 && grep -q 'x_1.ply: cannot be written' err && grep -q kept x_0.ply && test ! -e x_2.ply"
+    holds 'several outputs: nothing is left behind' sh -c '! ls | grep -E "part$|old$"'
+    rmdir x_1.ply
+    run lod "$knot" -o x_%d.ply --levels 16,12,8 --samples 0
+    holds 'several outputs replace what was there' sh -c 'cmp x_0.ply right.ply && ! ls | grep -E "part$|old$"'
+    rm -f in.ply out.ply piped.ply
+fi
+if [ -e /dev/stdout ]; then
+    ln -s /dev/stdout stdout.ply
+    run lod "$knot" -o stdout.ply --levels 16 --samples 0
+    holds 'an output that is standard output, a file' cmp out right.ply
+    "$program" lod "$knot" -o stdout.ply --levels 16 --samples 0 2>err | cat >piped.ply
+    holds 'an output that is standard output, a pipe' cmp piped.ply right.ply
+    run lod "$knot" -o stdout.ply --levels 16 --json
+    holds 'the report and an output cannot both go there' sh -c "test $status = 2 && grep -q 'where --json' err"
+    rm -f stdout.ply piped.ply
+fi
+"$program" lod - --format ply -o same.ply --levels 16 --samples 0 <"$knot" >out 2>err
+holds 'standard input with --format' cmp same.ply right.ply
+"$program" info - --format ply <&- >out 2>err
+holds 'a closed standard input' test $? = 1
+rm -f x_* y.* z* first.ply same.ply right.ply
 
 run voxelize "$knot" -o x.npy --resolution 50
 cp out said.txt
@@ -329,6 +490,25 @@ if has gzip; then
         refuses 1 'end in their middle' info none.ply.gz
         head -c 50000000 /dev/zero | gzip -c >bomb.ply.gz
         refuses 1 'memory-limit' info bomb.ply.gz --memory-limit 20M
+        # 10 GB of zeros in members of 100 MB; the memory taken is that of the limit and little more.
+        head -c 100000000 /dev/zero | gzip -c >part.gz
+        for i in 1 2 3 4 5 6 7 8 9 10; do cat part.gz; done >ten.gz
+        for i in 1 2 3 4 5 6 7 8 9 10; do cat ten.gz; done >bomb.ply.gz
+        refuses 1 '--memory-limit leaves for it' info bomb.ply.gz --memory-limit 50M
+        if has python3; then
+            holds 'a bomb takes the limit and little more' python3 - "$program" <<'P'
+import resource, subprocess, sys
+r = subprocess.run([sys.argv[1], 'info', 'bomb.ply.gz', '--memory-limit', '50M'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
+assert r.returncode == 1 and most < 80e6, most
+P
+        fi
+        if (ulimit -v 600000 && "$program" info "$knot" --threads 1) >/dev/null 2>&1; then
+            (ulimit -v 600000 && "$program" info bomb.ply.gz --threads 1) >out 2>err
+            holds 'a bomb without a limit stops at half the memory' grep -q 'holds more than [0-9]* bytes, half of the memory there is' err
+        else
+            skip 'a bomb without a limit' 'the address space cannot be limited here'
+        fi
     fi
     rm -f ./*.gz k.ply
 else
@@ -372,47 +552,236 @@ P
         run $words --json
         holds "${words%% *} --json is JSON" python3 -m json.tool out
     done
-    rm -f x* cut.ply ./*.json
+    # Whatever happens and whatever the files are called: one valid object with what the contract names.
+    cat >schema.py <<'P'
+import json, sys
+line = open(sys.argv[1], encoding='utf-8').read()
+r = json.loads(line)
+assert line.count('\n') == 1
+assert r['status'] == sys.argv[2], r['status']
+assert isinstance(r['stages'], list) and isinstance(r['meshes'], list) and isinstance(r['warnings'], list)
+assert isinstance(r['peak_bytes'], int)
+assert all(isinstance(s['name'], str) and s['seconds'] >= 0 for s in r['stages'])
+for m in r['meshes']:
+    for key in ('path', 'vertices', 'triangles', 'closed', 'manifold', 'oriented', 'components', 'volume'):
+        assert key in m, key
+if r['status'] == 'done':
+    assert 'error' not in r
+else:
+    assert r['error']['code'] and r['error']['message'] and '\n' not in r['error']['message']
+P
+    good_report() { holds "$1" python3 schema.py out "$2"; } # NAME, STATUS
+    for word in info lod voxelize render; do
+        run $word --json
+        good_report "$word --json without anything" failed
+    done
+    run rendre --json x.ply
+    good_report 'no such command, with --json' failed
+    run info --json --threads
+    good_report 'a value that lacks, with --json' failed
+    strange=$(printf 'a"b\\\001\033\177\377\300\200\355\240\200\303\244.obj')
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n' >"$strange"
+    run info --json "$strange"
+    good_report 'a name of quotes, control bytes and no UTF-8' done
+    holds 'such a name: what is UTF-8 stays' test "$(json out '"ä" in r["meshes"][0]["path"] and r["meshes"][0]["path"].count(chr(0xfffd))')" = 6
+    run lod --json "$strange" -o "$strange" --levels 8 --samples 0
+    good_report 'such a name as input and output' done
+    run info --json "missing $strange"
+    good_report 'such a name in an error' failed
+    holds 'such a name: one line of text without control bytes' sh -c "test \$(wc -l <err) = 1 && ! tr -d '\n' <err | LC_ALL=C grep -q '[[:cntrl:]]'"
+    run info "missing $strange"
+    holds 'such a name: likewise without --json' sh -c "test \$(wc -l <err) = 1 && ! tr -d '\n' <err | LC_ALL=C grep -q '[[:cntrl:]]'"
+    run info -- "$knot" --json
+    holds '--json behind -- is a name' test ! -s out
+    rm -f x* cut.ply ./*.json "$strange"
+
+    # ---- progress ----
+
+    cat >lines.py <<'P'
+import json, sys
+at, fraction, last = None, 0, {}
+count = 0
+for line in open('err', encoding='utf-8'):
+    p = json.loads(line)
+    assert set(p) == {'stage', 'fraction', 'elapsed'} and 0 <= p['fraction'] <= 1 and p['elapsed'] >= 0
+    if p['stage'] == at:
+        assert p['fraction'] >= fraction, (line, fraction)
+    at, fraction = p['stage'], p['fraction']
+    last[at] = fraction
+    count += 1
+r = json.load(open('out'))
+assert set(last) == {s['name'] for s in r['stages']}, (last, r['stages'])
+assert all(f == 1 for f in last.values()), last
+assert count <= 2 * len(r['stages']) + 10 * sum(s['seconds'] for s in r['stages']) + 2, count
+P
+    run lod "$knot" -o x_%d.ply --triangles 3000,800 --collapse 3 --samples 300000 --progress=json --json
+    holds '--progress=json: valid lines, stages of the report, fractions that never fall, not too many' python3 lines.py
+    run info missing.ply --progress=json
+    holds '--progress=json: an error is still one line' test "$(grep -v '^{' err | wc -l)" = 1
+    run lod "$knot" -o x_%d.ply --quiet --progress=json --samples 100
+    holds '--progress=json beside --quiet' sh -c 'test ! -s out && test -s err'
+    run lod "$knot" -o y.ply --samples 2000000 --threads 1 --levels 32 --progress=bar
+    holds '--progress=bar: a bar, taken away at the end' sh -c "tr '\r' '\n' <err | grep -q '% distance 0'"
+    holds '--progress=bar: nothing of it stays' test "$(tr '\r' '\n' <err | tail -n 1)" = "$(printf '\033[K')"
+    run lod "$knot" -o y.ply --samples 2000000 --threads 1 --levels 32
+    holds 'no bar where there is no terminal' test ! -s err
+    python3 - "$program" "$knot" >shown 2>&1 <<'P'
+import os, pty, sys
+pid, terminal = pty.fork()
+if pid == 0:
+    os.environ['TERM'] = 'xterm'
+    os.execv(sys.argv[1], [sys.argv[1], 'lod', sys.argv[2], '-o', 'y.ply', '--levels', '32', '--samples', '4000000', '--threads', '1'])
+text = b''
+while True:
+    try:
+        part = os.read(terminal, 65536)
+    except OSError:
+        break
+    if not part:
+        break
+    text += part
+lines = text.decode().replace('\x1b[K', '').split('\r')
+bars = [l for l in lines if l.startswith('[')]
+assert os.waitpid(pid, 0)[1] == 0
+assert bars and all(len(b) < 80 for b in bars), bars
+assert any('distance 0' in b for b in bars)
+assert any(' left' in b for b in bars), bars
+shares = [int(b.split(']')[1].split('%')[0]) for b in bars if 'distance 0' in b]
+assert shares == sorted(shares), shares
+P
+    holds 'a bar on a terminal, with the time left' test ! -s shown
+    [ ! -s shown ] || sed 's/^/# /' shown
+    rm -f x_* y.ply lines.py shown
 else
-    skip 'JSON' 'python3 is missing'
+    skip 'JSON and progress' 'python3 is missing'
 fi
 
 # ---- interrupts ----
 
-# Each run is stopped after a while; it must end with 130 and leave the folder as it was. A run that is quicker than
-# that ends with 0; the longest wait that still stops it counts.
-if env --default-signal=INT true 2>/dev/null; then
-    mkdir stop
-    interrupt() { # NAME, ARGUMENTS...
-        interrupt_name=$1
-        shift
-        stopped=0 wrong=
-        for wait in 0.02 0.1 0.3; do
-            env --default-signal=INT "$program" "$@" >out 2>err </dev/null &
-            child=$!
-            sleep $wait
-            kill -INT $child 2>/dev/null
-            wait $child
-            status=$?
-            case $status in
-            130)
-                stopped=1
-                [ -z "$(ls -A stop)" ] || wrong="left behind: $(ls -A stop)"
-                grep -q '^bitvox: interrupted' err || wrong='no message'
-                ;;
-            0) rm -f stop/* ;;
-            *) wrong="status $status" ;;
-            esac
-        done
-        if [ -n "$wrong" ]; then not_ok "$interrupt_name" "$wrong"
-        elif [ $stopped = 0 ]; then not_ok "$interrupt_name" 'it was never stopped'
-        else ok "$interrupt_name"; fi
-    }
-    interrupt 'an interrupted lod' lod "$knot" -o stop/x_%d.ply --levels 400,300 --resolution 1200 --samples 1000000
-    interrupt 'an interrupted voxelize' voxelize "$knot" -o stop/x.npy --resolution 1200
-    interrupt 'an interrupted render' render "$knot" -o stop/x.png --size 4000x4000
+# Each run is stopped at a random moment of its life; it ends with 130 in time, leaves the folder as it was (or, when
+# everything was done, with all outputs) and tells it in one line and in its report. One that waits for a pipe too.
+if has python3; then
+    cat >interrupts.py <<'P'
+import json, os, random, shutil, signal, subprocess, sys, time
+program, knot, seed = sys.argv[1], sys.argv[2], int(sys.argv[3])
+random.seed(seed)
+names = ['x_0.ply', 'x_1.ply', 'x.npy', 'x.png']
+jobs = [
+    ['lod', knot, '-o', 'stop/x_%d.ply', '--levels', '300,100', '--resolution', '900', '--samples', '100000'],
+    ['lod', knot, '-o', 'stop/x_%d.ply', '--triangles', '60000,9000', '--collapse', '3'],
+    ['voxelize', knot, '-o', 'stop/x.npy', '--resolution', '700'],
+    ['render', knot, '-o', 'stop/x.png', '--size', '3000x3000'],
+    ['info', 'big.obj'],
+    ['info', 'pipe.ply'],
+    ['lod', 'pipe.ply', '-o', 'stop/x_%d.ply', '--levels', '9,5'],
+    ['lod', knot, '-o', 'stop/pipe.ply', '--levels', '9'],
+]
+with open('big.obj', 'w') as f: # one long sequential step: to read and to check
+    n = 500
+    for i in range(n):
+        for k in range(n):
+            f.write('v %d %d %d\n' % (i, k, (i * k) % 7))
+    for i in range(n - 1):
+        for k in range(1, n):
+            f.write('f %d %d %d\n' % (i * n + k, i * n + k + 1, i * n + n + k))
+os.mkfifo('pipe.ply')
+
+def fresh(job):
+    shutil.rmtree('stop', ignore_errors=True)
+    os.mkdir('stop')
+    for name in names:
+        open('stop/' + name, 'w').write('kept')
+    if 'stop/pipe.ply' in job:
+        os.mkfifo('stop/pipe.ply')
+
+def folder():
+    return {n: open('stop/' + n, 'rb').read(4) for n in os.listdir('stop') if n != 'pipe.ply'}
+
+def start(job):
+    return subprocess.Popen([program] + job, stdin=subprocess.DEVNULL, stdout=open('out', 'wb'), stderr=open('err', 'wb'),
+                            preexec_fn=lambda: [signal.signal(s, signal.SIG_DFL) for s in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)])
+
+slowest, stopped = 0, 0
+for job in jobs:
+    waits = any('pipe.ply' in w for w in job)
+    life = 0.1
+    fresh(job)
+    if not waits:
+        before = time.monotonic()
+        assert start(job).wait() == 0, open('err').read()
+        life = time.monotonic() - before
+    for turn in range(5):
+        fresh(job)
+        before = folder()
+        p = start(job + (['--json'] if turn % 2 else []))
+        time.sleep(0.02 + random.random() * life)
+        asked = time.monotonic()
+        number = random.choice([signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+        p.send_signal(number)
+        if turn == 3:
+            p.send_signal(number) # a second one changes nothing
+        status = p.wait()
+        if status != 0:
+            slowest = max(slowest, time.monotonic() - asked)
+        after, said, report = folder(), open('err').read(), open('out').read()
+        what = (job, turn, status, said, report, after)
+        assert not any(n.endswith(('.part', '.old')) for n in after), what
+        assert status in (0, 130), what
+        if status == 0:
+            assert not waits, what
+            continue
+        stopped += 1
+        lines = [l for l in said.split('\n') if not l.startswith('bitvox: warning: ')]
+        assert len(lines) == 2 and lines[0].startswith('bitvox: interrupted') and lines[1] == '', what
+        if 'is written' not in said:
+            assert after == before, what
+        if turn % 2:
+            r = json.loads(report)
+            assert r['status'] == 'interrupted' and r['error']['code'] == 'BVX_CANCELLED', what
+            assert all(k in r for k in ('stages', 'meshes', 'warnings', 'peak_bytes')), what
+print('%d interrupted, slowest %.0f ms' % (stopped, slowest * 1e3))
+assert stopped > len(jobs) and slowest < 1.0
+P
+    # a seed that differs every time, so that many runs try many moments
+    seed=$(od -An -N4 -tu4 /dev/urandom 2>/dev/null | tr -d ' ')
+    python3 interrupts.py "$program" "$knot" "${seed:-1}" >moments 2>&1
+    status=$?
+    sed 's/^/# /' moments | tail -n 5
+    holds "interrupts at random moments (seed ${seed:-1})" test $status = 0
+    python3 - "$program" >moments 2>&1 <<'P'
+import os, signal, subprocess, sys, time
+def run(setup, job, number, out):
+    p = subprocess.Popen([sys.argv[1]] + job, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.PIPE, preexec_fn=setup)
+    time.sleep(0.1)
+    p.send_signal(number)
+    time.sleep(0.3)
+    return p
+def ignore():
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+p = run(ignore, ['info', 'pipe.ply'], signal.SIGHUP, subprocess.DEVNULL)
+assert p.poll() is None, 'an ignored signal ended it'
+p.send_signal(signal.SIGINT)
+assert p.wait() == 130
+# A report that nobody takes, in a full pipe: the run ends all the same.
+reader, writer = os.pipe()
+os.set_blocking(writer, False)
+try:
+    while True:
+        os.write(writer, b' ' * 4096)
+except BlockingIOError:
+    os.set_blocking(writer, True)
+p = run(lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), ['help', '--man'], signal.SIGINT, writer)
+assert p.wait() == 130 and p.stderr.read() == b'bitvox: interrupted; nothing was written\n'
+p = run(lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), ['info', 'big.obj', '--json'], signal.SIGINT, writer)
+assert p.wait() == 130
+P
+    status=$?
+    sed 's/^/# /' moments | tail -n 5
+    holds 'ignored signals stay ignored; a full pipe does not hold an interrupt' test $status = 0
+    rm -rf stop pipe.ply big.obj moments interrupts.py schema.py
 else
-    skip 'interrupts' 'env cannot restore signals here'
+    skip 'interrupts' 'python3 is missing'
 fi
 
 echo "$passed passed, $failed failed$([ $skipped = 0 ] || echo ", $skipped skipped")"

@@ -4,4 +4,5 @@
 double sqrt(double v);
 double floor(double v);
 #define HUGE_VAL (1e300 * 1e300)
+#define INFINITY ((float)(1e300 * 1e300))
 #endif

@@ -1,0 +1,173 @@
+/* inputs.c - any input by its ending: a mesh or a grid, and the side-car that tells a grid's place.
+ *
+ * .npy and .vox hold voxels alone. Where their lattice lies stands in a side-car beside them, FILE.npy.json; without one
+ * the voxels start at 0 and have sides of 1. A side-car that is damaged or belongs to a grid of another size is an error. */
+#include "cli/cli.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define INPUT_ENDINGS ".stl .obj .ply .off, or .npy .binvox .vox .nrrd .vti .bvx, also with .gz"
+
+int cli_kind_of_format(int32_t format)
+{
+    switch (format) {
+    case BVX_FORMAT_STL:
+    case BVX_FORMAT_OBJ:
+    case BVX_FORMAT_PLY:
+    case BVX_FORMAT_OFF:
+    case BVX_FORMAT_GLB: return CLI_MESH;
+    case BVX_FORMAT_NPY:
+    case BVX_FORMAT_BINVOX:
+    case BVX_FORMAT_VOX:
+    case BVX_FORMAT_NRRD:
+    case BVX_FORMAT_VTI:
+    case BVX_FORMAT_BVX: return CLI_GRID;
+    default: return 0;
+    }
+}
+
+int cli_is_packed(const char *path)
+{
+    size_t const n = strlen(path);
+    return n > 3 && strcmp(path + n - 3, ".gz") == 0;
+}
+
+const char *cli_format_name(int32_t format)
+{
+    static const char *const name[] = {"unknown", "stl", "obj", "ply", "npy", "png", "off", "glb", "binvox", "vox", "nrrd", "vti", "bvx"};
+    return format > 0 && format < (int32_t)(sizeof name / sizeof name[0]) ? name[format] : name[0];
+}
+
+int cli_needs_sidecar(int32_t format)
+{
+    return format == BVX_FORMAT_NPY || format == BVX_FORMAT_VOX;
+}
+
+char *cli_sidecar_name(const char *path)
+{
+    size_t const n = strlen(path) - (cli_is_packed(path) ? 3 : 0);
+    char *const name = malloc(n + 6);
+    if (name != NULL) {
+        memcpy(name, path, n);
+        memcpy(name + n, ".json", 6);
+    }
+    return name;
+}
+
+int cli_input_kind(cli_run *run, const char *path, int *kind)
+{
+    int32_t const format = cli_input_format(run, path);
+    *kind = format == BVX_FORMAT_GLB ? 0 : cli_kind_of_format(format);
+    if (*kind != 0) return CLI_DONE;
+    if (strcmp(path, "-") == 0)
+        return cli_usage(run, "--format names no mesh format that is read, and no grid format (stl, obj, ply, off, npy, binvox, vox, "
+                         "nrrd, vti, bvx)");
+    if (format == BVX_FORMAT_GLB) return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
+    return cli_fail(run, "%s: the name ends in no mesh format that is read, and in no grid format (" INPUT_ENDINGS ")", path);
+}
+
+/* ---- grids ---- */
+
+/* A grid as large as the whole file, since a side-car tells of all of it; its words are not looked at. */
+static void stand_for_file(const bvx_grid *part, bvx_grid *whole)
+{
+    *whole = *part;
+    memset(whole->low, 0, sizeof whole->low);
+    memcpy(whole->size, part->lattice.dims, sizeof whole->size);
+    whole->words_per_row = (whole->size[0] - 1) / 64 + 1;
+    whole->word_capacity = UINT64_MAX;
+}
+
+/* The part that was read gets its place on the side-car's lattice. */
+static bvx_status take_lattice(cli_run *run, const cli_bytes *b, bvx_grid *grid)
+{
+    bvx_grid whole;
+    bvx_status status;
+    stand_for_file(grid, &whole);
+    status = bvx_read_lattice(run->context, b->bytes, b->size, &whole);
+    if (status != BVX_OK) return status;
+    grid->lattice = whole.lattice;
+    for (int a = 0; a < 3; a++) grid->low[a] += whole.low[a];
+    return BVX_OK;
+}
+
+static int read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed)
+{
+    char *const name = strcmp(path, "-") == 0 ? NULL : cli_sidecar_name(path);
+    cli_bytes b = {NULL, 0, 0, 0};
+    FILE *file;
+    int status = CLI_DONE;
+    *placed = 0;
+    if (name == NULL) return strcmp(path, "-") == 0 ? CLI_DONE : cli_fail(run, "no memory for a file's name");
+    file = fopen(name, "rb");
+    if (file != NULL) {
+        fclose(file);
+        status = cli_read_file(run, name, &b);
+        if (status == CLI_DONE) {
+            bvx_status const read = take_lattice(run, &b, grid);
+            if (read != BVX_OK) status = cli_fail_status(run, read, name);
+            else *placed = 1;
+        }
+        free(b.bytes);
+    } else if (errno != ENOENT) {
+        status = cli_fail(run, "%s: %s", name, strerror(errno));
+    }
+    free(name);
+    return status;
+}
+
+int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed)
+{
+    int32_t const format = cli_input_format(run, path);
+    cli_bytes b = {NULL, 0, 0, 0};
+    int status = cli_read_file(run, path, &b);
+    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
+    if (status == CLI_DONE) {
+        cli_stage_begin(run, "parse");
+        bvx_status const read = bvx_read_grid(run->context, b.bytes, b.size, format, window, grid);
+        cli_stage_end(run);
+        cli_note_peak(run, b.size);
+        bvx_memory_reset_peak(run->context);
+        if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
+    }
+    free(b.bytes);
+    *placed = 1;
+    if (status == CLI_DONE && cli_needs_sidecar(format)) status = read_sidecar(run, path, grid, placed);
+    return status;
+}
+
+int cli_window_option(cli_run *run, bvx_window *window)
+{
+    const cli_list *const l = &run->options.window;
+    memset(window, 0, sizeof *window);
+    for (int a = 0; a < 3 && l->count != 0; a++) {
+        if (l->value[a] >= l->value[a + 3])
+            return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not behind %" PRId64, l->value[a + 3], l->value[a]);
+        window->low[a] = (int32_t)l->value[a];
+        window->size[a] = (int32_t)(l->value[a + 3] - l->value[a]);
+    }
+    return CLI_DONE;
+}
+
+/* ---- either ---- */
+
+int cli_read_input(cli_run *run, const char *path, cli_input *input)
+{
+    int status;
+    memset(input, 0, sizeof *input);
+    input->path = path;
+    status = cli_input_kind(run, path, &input->kind);
+    if (status != CLI_DONE) return status;
+    return input->kind == CLI_MESH ? cli_read_mesh(run, path, &input->mesh)
+                                   : cli_read_grid(run, path, NULL, &input->grid, &input->placed);
+}
+
+void cli_free_input(cli_run *run, cli_input *input)
+{
+    bvx_mesh_free(run->context, &input->mesh);
+    bvx_grid_free(run->context, &input->grid);
+}

@@ -1,0 +1,94 @@
+/* option_table.c - the options of all commands: the parser, the help, the man page and the completion read this table.
+ *
+ * An option that several commands take with the same meaning has one row; where the meaning differs it has several. */
+#include "cli/cli.h"
+
+#define FIELD(name) offsetof(cli_options, name)
+#define LARGEST_SIDE 33554432.0 /* 2^25, a lattice's limit */
+
+/* NAME, VALUE as the help shows it, COMMANDS, FIELD of cli_options, what the kind needs, HELP */
+#define FLAG(name, commands, field, help) {name, NULL, CLI_FLAG, commands, FIELD(field), 0, 0, 0, 0, NULL, 0, help}
+#define WHOLE(name, value, commands, field, low, high, help) \
+    {name, value, CLI_INT, commands, FIELD(field), low, high, 0, 0, NULL, 0, help}
+#define LONG(name, value, commands, field, low, high, help) \
+    {name, value, CLI_LONG, commands, FIELD(field), low, high, 0, 0, NULL, 0, help}
+#define BETWEEN(name, value, commands, field, low, high, help) /* both excluded */ \
+    {name, value, CLI_REAL, commands, FIELD(field), low, high, 0, 0, NULL, 0, help}
+#define FROM_TO(name, value, commands, field, low, high, help) /* both allowed */ \
+    {name, value, CLI_REAL, commands, FIELD(field), low, high, 1, 0, NULL, 0, help}
+#define TRIPLE(name, value, commands, field, help) {name, value, CLI_TRIPLE, commands, FIELD(field), 0, 0, 0, 0, NULL, 0, help}
+#define LIST(name, value, commands, field, low, high, least, most, help) \
+    {name, value, CLI_LIST, commands, FIELD(field), low, high, least, most, NULL, 0, help}
+#define BYTES(name, value, commands, field, help) {name, value, CLI_BYTES, commands, FIELD(field), 1, 1e18, 0, 0, NULL, 0, help}
+#define CHOICE(name, value, commands, field, names, base, help) \
+    {name, value, CLI_CHOICE, commands, FIELD(field), 0, 0, 0, 0, names, base, help}
+#define SIZE(name, value, commands, field, high, help) {name, value, CLI_SIZE, commands, FIELD(field), 1, high, 2, 2, NULL, 0, help}
+#define FILE_NAME(name, value, commands, field, help) {name, value, CLI_FILE, commands, FIELD(field), 0, 0, 0, 0, NULL, 0, help}
+
+/* In the order of their numbers. */
+static const char *const method_names[] = {"edge-ratio", "coverage", NULL};
+static const char *const fill_names[] = {"parity", "nonzero", NULL};
+static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
+static const char *const format_names[] = {"stl", "obj", "ply", "npy", "png", "off", "glb", "binvox", "vox", "nrrd", "vti",
+                                           "bvx", NULL};
+
+static const cli_argument arguments[] = {
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT, output, "where the result goes; the ending tells the format"),
+    LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
+         "voxels along the longest axis [8 x the finest level, less where memory is short]"),
+    LIST("--resolution", "N|X,Y,Z", CLI_VOXELIZE, resolution, 1, LARGEST_SIDE, 1, 3,
+         "voxels along the longest axis, or along each axis [256]"),
+    BETWEEN("--spacing", "S", CLI_VOXELIZE, spacing, 0, 1e300, "edge of a voxel in the mesh's unit, in place of --resolution"),
+    TRIPLE("--origin", "X,Y,Z", CLI_VOXELIZE, origin, "low corner of voxel 0,0,0, with --spacing [the mesh's low corner]"),
+    LIST("--window", "A,B,C,D,E,F", CLI_VOXELIZE, window, 0, LARGEST_SIDE, 6, 6,
+         "only voxels A..D-1, B..E-1, C..F-1 of the lattice"),
+    LIST("--window", "A,B,C,D,E,F", CLI_CONVERT, window, 0, LARGEST_SIDE, 6, 6,
+         "only voxels A..D-1, B..E-1, C..F-1 of a grid's file"),
+    WHOLE("--padding", "N", CLI_VOXELIZE | CLI_LOD, padding, 0, 65536, "empty voxels added on every side [0]"),
+    LIST("--levels", "A,B,C", CLI_LOD, levels, 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
+         "samples along the longest axis of each level [64,32,16]"),
+    LIST("--triangles", "A,B,C", CLI_LOD, triangles, 1, 4294967295.0, 1, CLI_MAX_LEVELS,
+         "most triangles of each level, in place of --levels"),
+    CHOICE("--method", "NAME", CLI_LOD, method, method_names, BVX_LOD_EDGE_RATIO, "edge-ratio or coverage [edge-ratio]"),
+    BETWEEN("--threshold", "T", CLI_LOD, threshold, 0, 1, "a sample above it is inside, 0 < T < 1 [0.5]"),
+    WHOLE("--edge-samples", "N", CLI_LOD, edge_samples, 1, 65536,
+          "steps along an edge, with --method edge-ratio [the ratio, rounded up]"),
+    FROM_TO("--collapse", "F", CLI_LOD, collapse, 1, 64,
+            "with --triangles: make up to F times as many, then collapse the\n"
+            "cheapest edges; 2 to 4 comes much nearer to the mesh [off]"),
+    CHOICE("--fill", "RULE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER, fill, fill_names, BVX_FILL_PARITY,
+           "parity: nested shells are cavities; nonzero: overlapping and\ninverted shells are one solid [parity]"),
+    FLAG("--carry", CLI_LOD, carry, "give each level the colours and texture coordinates of the nearest\npoints on the mesh"),
+    LONG("--samples", "N", CLI_LOD | CLI_COMPARE, samples, 0, 2147483647, "points on each mesh for the distances, 0: none [20000]"),
+    LONG("--seed", "N", CLI_COMPARE, seed, 0, 4294967295.0, "another seed, other points [1]"),
+    SIZE("--size", "WxH", CLI_RENDER, size, 16384, "pixels of a picture [1024x768; 640x480 each for several meshes]"),
+    TRIPLE("--from", "X,Y,Z", CLI_RENDER, from, "direction from the model to the eye [3,-4,2]"),
+    TRIPLE("--up", "X,Y,Z", CLI_RENDER, up, "what is up in the picture [0,0,1]"),
+    WHOLE("--voxels", "N", CLI_RENDER, voxels, 1, LARGEST_SIDE, "draw the voxels of a mesh's solid, N along its longest axis\n[256 with --compare]"),
+    FLAG("--smooth", CLI_RENDER, smooth, "smooth shading; sharp edges stay sharp"),
+    FLAG("--wireframe", CLI_RENDER, wireframe, "draw the edges of triangles or voxels too"),
+    {"--cut", "AXIS=VALUE", CLI_CUT, CLI_RENDER, FIELD(cut), 0, 0, 0, 0, NULL, 0,
+     "take away what lies between a plane and the eye, in the model's unit;\nonce for each axis, or x=0.5,z=1"},
+    {"--slices", "AXIS:N", CLI_SLICES, CLI_RENDER, FIELD(slices), 1, 1024, 0, 0, NULL, 0,
+     "a sheet of N slices of the voxels across an axis, like z:16"},
+    FLAG("--compare", CLI_RENDER, difference, "two inputs in one picture: what the second adds green, what it lacks red"),
+    WHOLE("--turntable", "N", CLI_RENDER, turntable, 2, 360, "N pictures once round the axis of --up, to OUT_%d.png"),
+    CHOICE("--format", "NAME", CLI_ALL, format, format_names, BVX_FORMAT_STL, "format of standard input, with - as input: stl, obj, ply ..."),
+    WHOLE("--threads", "N", CLI_ALL, threads, 0, 1024, "workers, 0: all there are [0]"),
+    BYTES("--memory-limit", "BYTES", CLI_ALL, memory_limit,
+          "most memory for data; K, M and G are understood [none; files:\nhalf of the memory there is]"),
+    FLAG("--json", CLI_ALL, json, "a report for programs on standard output, in place of the text"),
+    CHOICE("--progress", "HOW", CLI_ALL, progress, progress_names, CLI_BAR_AUTO,
+           "auto: a bar on a terminal; bar; json: lines of JSON on standard error;\nnone [auto]"),
+    FLAG("--quiet", CLI_ALL, quiet, "no text, no bar, no warnings"),
+    FLAG("--help", CLI_ALL, help, "this text"),
+};
+
+#define ARGUMENTS (sizeof arguments / sizeof arguments[0])
+
+typedef char arguments_fit[ARGUMENTS <= CLI_MAX_OPTIONS ? 1 : -1]; /* into cli_run.given */
+
+const cli_argument *cli_argument_at(int i)
+{
+    return i >= 0 && (size_t)i < ARGUMENTS ? &arguments[i] : NULL;
+}

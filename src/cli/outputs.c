@@ -1,0 +1,343 @@
+/* outputs.c - whole files out, all or none.
+ *
+ * An output is written under a temporary name in its own folder, which also shows at once whether that is possible, and
+ * gets its name when everything is done; whatever happens before leaves the folder as it was. So an output may also be
+ * the file that is read. Symbolic links stay, and what they point at is replaced. What is no plain file (a pipe, a
+ * device, standard output by one of its names) is written in place. */
+#if defined(__unix__) || defined(__APPLE__)
+#define _POSIX_C_SOURCE 200809L
+#define OUTPUTS_POSIX 1
+#else
+#define OUTPUTS_POSIX 0
+#endif
+
+#include "cli/cli.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#if OUTPUTS_POSIX
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
+
+enum { OUTPUT_CHUNK = 1 << 20, OUTPUT_TRIES = 1000 };
+
+/* ---- names ---- */
+
+static char *copy_text(const char *text)
+{
+    char *const copy = malloc(strlen(text) + 1);
+    if (copy != NULL) memcpy(copy, text, strlen(text) + 1);
+    return copy;
+}
+
+/* Length of the folder's part of a path, its last slash included. */
+static size_t folder_length(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+#if defined(_WIN32)
+    const char *const back = strrchr(path, '\\');
+    if (back != NULL && (slash == NULL || back > slash)) slash = back;
+#endif
+    return slash != NULL ? (size_t)(slash - path) + 1 : 0;
+}
+
+/* Name number i beside path, short so that it fits where path fits. */
+static char *name_beside(const char *path, int i, const char *ending)
+{
+    size_t const folder = folder_length(path), room = folder + 64;
+    char *const name = malloc(room);
+    long process = 0;
+#if OUTPUTS_POSIX
+    process = (long)getpid();
+#endif
+    if (name != NULL) snprintf(name, room, "%.*sbitvox-%ld-%d.%s", (int)folder, path, process, i, ending);
+    return name;
+}
+
+#if OUTPUTS_POSIX
+
+/* The file behind symbolic links, also when there is none yet. NULL with errno. */
+static char *follow_links(const char *path)
+{
+    char *now = copy_text(path);
+    for (int i = 0; i < 40 && now != NULL; i++) {
+        char link[4096];
+        ssize_t const n = readlink(now, link, sizeof link);
+        size_t const folder = n > 0 && link[0] == '/' ? 0 : folder_length(now);
+        char *next;
+        if (n < 0 || (size_t)n >= sizeof link) return now; /* no link */
+        next = malloc(folder + (size_t)n + 1);
+        if (next != NULL) {
+            memcpy(next, now, folder);
+            memcpy(next + folder, link, (size_t)n);
+            next[folder + (size_t)n] = 0;
+        }
+        free(now);
+        now = next;
+    }
+    free(now);
+    errno = now == NULL ? ENOMEM : ELOOP;
+    return NULL;
+}
+
+/* Kind and target of what stands at o->path, and its mode (0: nothing stands there). 0 with errno when it is refused. */
+static int look_at_output(cli_output *o, unsigned *mode)
+{
+    struct stat s, standard, behind;
+    *mode = 0;
+    if (stat(o->path, &s) != 0) {
+        if (errno != ENOENT) return 0;
+    } else {
+        if (S_ISDIR(s.st_mode)) {
+            errno = EISDIR;
+            return 0;
+        }
+        if (fstat(STDOUT_FILENO, &standard) == 0 && standard.st_dev == s.st_dev && standard.st_ino == s.st_ino)
+            o->kind = CLI_OUT_STANDARD;
+        else if (access(o->path, W_OK) != 0) return 0;
+        else if (!S_ISREG(s.st_mode)) o->kind = CLI_OUT_IN_PLACE;
+        if (o->kind != CLI_OUT_NEW) return 1;
+        *mode = (unsigned)s.st_mode & 0777u;
+    }
+    o->target = follow_links(o->path);
+    if (o->target == NULL) return 0;
+    if (*mode != 0 && (stat(o->target, &behind) != 0 || behind.st_dev != s.st_dev || behind.st_ino != s.st_ino))
+        o->kind = CLI_OUT_IN_PLACE; /* open somewhere, but without a name */
+    return 1;
+}
+
+static FILE *create_file(const char *name, unsigned mode)
+{
+    int const number = open(name, O_WRONLY | O_CREAT | O_EXCL, mode != 0 ? (mode_t)mode : 0666);
+    FILE *file;
+    if (number < 0) return NULL;
+    if (mode != 0) (void)!fchmod(number, (mode_t)mode); /* as the file that it will replace */
+    file = fdopen(number, "wb");
+    if (file == NULL) close(number);
+    return file;
+}
+
+/* A second name for what stands at path, or another one where the file system has no second names. */
+static int move_aside(const char *path, const char *name)
+{
+    struct stat s;
+    if (lstat(path, &s) != 0) return 0;
+    if (S_ISDIR(s.st_mode)) {
+        errno = EISDIR;
+        return 0;
+    }
+    if (link(path, name) == 0) return 1;
+    if (errno == EEXIST || lstat(name, &s) == 0) {
+        errno = EEXIST;
+        return 0;
+    }
+    return rename(path, name) == 0;
+}
+
+#else
+
+static int look_at_output(cli_output *o, unsigned *mode)
+{
+    *mode = 0;
+    o->target = copy_text(o->path);
+    return o->target != NULL;
+}
+
+static int is_there(const char *name)
+{
+    FILE *const file = fopen(name, "rb");
+    if (file != NULL) fclose(file);
+    return file != NULL;
+}
+
+static FILE *create_file(const char *name, unsigned mode)
+{
+    (void)mode;
+    errno = EEXIST;
+    return is_there(name) ? NULL : fopen(name, "wb");
+}
+
+static int move_aside(const char *path, const char *name)
+{
+    errno = ENOENT;
+    if (!is_there(path)) return 0;
+    errno = EEXIST;
+    return !is_there(name) && rename(path, name) == 0;
+}
+
+#endif
+
+/* ---- opening and writing ---- */
+
+/* A new file beside the target. 0 with errno. */
+static int make_temporary(cli_output *o, unsigned mode)
+{
+    FILE *file = NULL;
+    for (int i = 0; i < OUTPUT_TRIES && file == NULL; i++) {
+        o->temporary = name_beside(o->target, i, "part");
+        if (o->temporary == NULL) return 0;
+        file = create_file(o->temporary, mode);
+        if (file != NULL) break;
+        free(o->temporary);
+        o->temporary = NULL;
+        if (errno != EEXIST) return 0;
+    }
+    return file != NULL && fclose(file) == 0;
+}
+
+int cli_open_output(cli_run *run, const char *path)
+{
+    cli_output *const o = &run->output[run->outputs];
+    unsigned mode = 0;
+    int good, error;
+    if (run->outputs == CLI_MAX_OUTPUTS) return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
+    cli_lock();
+    memset(o, 0, sizeof *o);
+    o->path = copy_text(path);
+    run->outputs++;
+    errno = ENOMEM;
+    good = o->path != NULL && look_at_output(o, &mode) && (o->kind != CLI_OUT_NEW || make_temporary(o, mode));
+    error = errno;
+    cli_unlock();
+    if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
+    if (o->kind != CLI_OUT_STANDARD) return CLI_DONE;
+    if (run->options.json) return cli_usage(run, "%s is standard output, where --json writes its report", path);
+    run->standard_taken = 1;
+    return CLI_DONE;
+}
+
+static FILE *open_for_writing(cli_output *o)
+{
+    FILE *file;
+    if (o->kind == CLI_OUT_STANDARD) file = stdout;
+    else if (o->kind == CLI_OUT_IN_PLACE) file = fopen(o->path, "wb"); /* may wait for a reader */
+    else file = NULL;
+    cli_lock(); /* a temporary that an interrupt has removed is not made again */
+    if (o->kind == CLI_OUT_NEW) file = fopen(o->temporary, "r+b"); /* ext4 writes out truncated files at once when they close */
+    else o->begun = 1;
+    cli_unlock();
+    return file;
+}
+
+int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
+{
+    cli_output *const o = &run->output[number];
+    FILE *const file = open_for_writing(o);
+    uint64_t written = 0;
+    int good, stopped = 0;
+    if (file == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(errno));
+    errno = 0;
+    while (written < buffer->size && !stopped) {
+        size_t const rest = (size_t)(buffer->size - written), part = rest < OUTPUT_CHUNK ? rest : OUTPUT_CHUNK;
+        if (fwrite(buffer->bytes + written, 1, part, file) != part) break;
+        written += part;
+        stopped = cli_progress(run, "write", (double)written / (double)buffer->size) != 0;
+    }
+    good = written == buffer->size;
+    good &= (o->kind == CLI_OUT_STANDARD ? fflush(file) : fclose(file)) == 0;
+    if (stopped) return cli_fail_interrupted(run);
+    if (!good) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(errno != 0 ? errno : EIO));
+    return CLI_DONE;
+}
+
+/* ---- the end ---- */
+
+/* What stands at the target gets another name until all is well. */
+static int set_aside(cli_output *o)
+{
+    for (int i = 0; i < OUTPUT_TRIES; i++) {
+        char *const name = name_beside(o->target, i, "old");
+        if (name == NULL) return 0;
+        if (move_aside(o->target, name)) {
+            o->older = name;
+            return 1;
+        }
+        free(name);
+        if (errno != EEXIST) return errno == ENOENT; /* nothing stands there */
+    }
+    return 0;
+}
+
+static int give_name(cli_output *o)
+{
+    if (o->kind == CLI_OUT_NEW && rename(o->temporary, o->target) != 0) return 0;
+    free(o->temporary);
+    o->temporary = NULL;
+    o->kept = 1;
+    return 1;
+}
+
+/* The first n outputs go, and what stood there comes back. Renaming between two names of one file does nothing. */
+static void take_back(cli_run *run, int n)
+{
+    for (int i = 0; i < run->outputs; i++) {
+        cli_output *const o = &run->output[i];
+        o->kept = 0;
+        if (o->older == NULL && i < n && o->kind == CLI_OUT_NEW) remove(o->target);
+        if (o->older != NULL && rename(o->older, o->target) == 0) remove(o->older);
+    }
+}
+
+/* All that may be in the way is moved there before the first output gets its name. Returns how many are ready. */
+static int set_all_aside(cli_run *run)
+{
+    int const careful = run->outputs > 1 || !OUTPUTS_POSIX; /* one rename alone is all or nothing, where it replaces */
+    int n = 0;
+    while (n < run->outputs && (!careful || run->output[n].kind != CLI_OUT_NEW || set_aside(&run->output[n]))) n++;
+    return n;
+}
+
+int cli_keep_outputs(cli_run *run)
+{
+    int ready, named = 0, good, error;
+    if (cli_interrupted()) return cli_fail_interrupted(run);
+    cli_lock();
+    ready = set_all_aside(run);
+    if (ready == run->outputs)
+        while (named < run->outputs && give_name(&run->output[named])) named++;
+    error = errno;
+    good = named == run->outputs;
+    if (!good) take_back(run, named);
+    for (int i = 0; i < run->outputs; i++) {
+        cli_output *const o = &run->output[i];
+        if (good && o->older != NULL) remove(o->older);
+        free(o->older);
+        o->older = NULL;
+    }
+    if (good) cli_watch_kept();
+    cli_unlock();
+    if (good) return CLI_DONE;
+    return cli_fail(run, "%s: cannot be written: %s", run->output[ready < run->outputs ? ready : named].path, strerror(error));
+}
+
+/* The system takes a large file apart when its last user closes it: kept open here, that is not now. */
+void cli_remove_temporaries(cli_run *run)
+{
+    for (int i = 0; i < run->outputs; i++) {
+        const char *const name = run->output[i].temporary;
+        if (name == NULL) continue;
+#if OUTPUTS_POSIX
+        struct stat s;
+        int const number = open(name, O_RDONLY);
+        if (number >= 0 && fstat(number, &s) == 0) run->removed_bytes += (uint64_t)s.st_size;
+#endif
+        remove(name);
+    }
+}
+
+void cli_drop_outputs(cli_run *run)
+{
+    cli_lock();
+    cli_remove_temporaries(run);
+    for (int i = 0; i < run->outputs; i++) {
+        cli_output *const o = &run->output[i];
+        free(o->temporary);
+        free(o->target);
+        o->temporary = o->target = NULL;
+    }
+    cli_unlock();
+}
