@@ -469,6 +469,9 @@ static void test_render_mesh_refuses_bad_options(void)
     REFUSE(o.struct_size = 3, "size");
     REFUSE(o.wireframe = 2, "wireframe is 2");
     REFUSE(o.wireframe = -1, "wireframe is -1");
+    REFUSE(o.show[0] = -1, "show is -1");
+    REFUSE(o.show[1] = (double)INFINITY, "show is 0, inf");
+    REFUSE(o.show[0] = (double)NAN, "show is");
     REFUSE(o.reserved = 1, "reserved");
     REFUSE(o.cut_low[0] = (double)NAN, "along x");
     REFUSE(o.cut_high[1] = (double)NAN, "along y");
@@ -503,6 +506,34 @@ static bvx_status render_both(void *user, bvx_context *c)
     return s;
 }
 
+/* Pixels of a row that are not background. */
+static int32_t width_of_row(const bvx_image *image, int32_t y)
+{
+    int32_t n = 0;
+    for (int32_t x = 0; x < image->width; x++) n += !is_background(image, x, y);
+    return n;
+}
+
+/* A box of 10 x 10 x 10, shown in a frame that is to show 20 either way of its middle: a quarter of the frame's side. */
+static void test_show_makes_room(void)
+{
+    static const double even[3] = {1, 1, 1};
+    bvx_grid g = grid_of(10, 10, 10, even);
+    bvx_image image = {0};
+    for (int32_t z = 0; z < 10; z++)
+        for (int32_t y = 0; y < 10; y++)
+            for (int32_t x = 0; x < 10; x++) bvx_grid_set(&g, x, y, z, 1);
+    for (int i = 0; i < 3; i++) {
+        bvx_render_options o = options_of(400, 400, 0, -1, 0);
+        o.show[0] = i == 1 ? 20 : 0;
+        o.show[1] = i == 2 ? 20 : 0;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_render_grid(ctx, &g, &o, &image));
+        TEST_ASSERT_INT32_WITHIN(2, (int32_t)(400 * 0.94 * (i == 0 ? 1.0 : 0.25)), width_of_row(&image, 200));
+        bvx_image_free(ctx, &image);
+    }
+    bvx_grid_free(ctx, &g);
+}
+
 static void test_every_failure_on_the_way_is_clean(void)
 {
     static const double even[3] = {1, 1, 1};
@@ -531,6 +562,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_render_mesh_shows_a_box_where_it_is);
     RUN_TEST(test_render_mesh_turns_by_whole_numbers);
+    RUN_TEST(test_show_makes_room);
     RUN_TEST(test_render_mesh_covers_what_triangles_cover);
     RUN_TEST(test_render_mesh_leaves_no_gap_between_neighbours);
     RUN_TEST(test_render_mesh_shows_the_nearer_and_tints_insides);
