@@ -112,7 +112,7 @@ static int take_bytes(const cli_argument *a, const char *text, uint64_t *bytes)
 static int take_choice(const cli_argument *a, const char *text, int32_t *v)
 {
     for (int i = 0; a->choice[i] != NULL; i++)
-        if (strcmp(text, a->choice[i]) == 0) {
+        if (text[0] != 0 && strcmp(text, a->choice[i]) == 0) {
             *v = a->base + i;
             return 1;
         }
@@ -159,7 +159,7 @@ static void describe_value(const cli_argument *a, char *text, size_t room)
     case CLI_REAL:
         if (a->least == 1) snprintf(text, room, "a number from %g to %g", a->low, a->high);
         else if (a->high <= 1.0) snprintf(text, room, "a number above %g and below %g", a->low, a->high);
-        else snprintf(text, room, "a number above %g", a->low);
+        else snprintf(text, room, "a number above %g and below %g", a->low, a->high);
         break;
     case CLI_TRIPLE: snprintf(text, room, "three numbers like 3,-4,2"); break;
     case CLI_LIST:
@@ -175,7 +175,7 @@ static void describe_value(const cli_argument *a, char *text, size_t room)
     case CLI_CHOICE:
         snprintf(text, room, "one of:");
         for (int i = 0; a->choice[i] != NULL; i++)
-            snprintf(text + strlen(text), room - strlen(text), "%s %s", i == 0 ? "" : ",", a->choice[i]);
+            if (a->choice[i][0] != 0) snprintf(text + strlen(text), room - strlen(text), "%s %s", i == 0 ? "" : ",", a->choice[i]);
         break;
     case CLI_FILE: snprintf(text, room, "the name of a file"); break;
     case CLI_TEXT: snprintf(text, room, "a text that is not empty"); break;

@@ -242,6 +242,8 @@ typedef struct cli_input {
 
 /* CLI_MESH, CLI_GRID or 0, of any BVX_FORMAT_... */
 int cli_kind_of_format(int32_t format);
+/* The diagonal of a box, wherever doubles hold it. */
+double cli_diagonal(const double low[3], const double high[3]);
 const char *cli_format_name(int32_t format);
 int cli_is_packed(const char *path);         /* ends in .gz */
 int cli_needs_sidecar(int32_t format);       /* it keeps no lattice */

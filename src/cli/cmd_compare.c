@@ -4,7 +4,6 @@
 #include "cli/cli.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -131,13 +130,6 @@ static void say_mesh(cli_run *run, const char *name, const cli_mesh_entry *m)
             c->area);
 }
 
-static double diagonal_of(const bvx_certificate *c)
-{
-    double sum = 0.0;
-    for (int a = 0; a < 3; a++) sum += (c->high[a] - c->low[a]) * (c->high[a] - c->low[a]);
-    return sqrt(sum);
-}
-
 static void say_way(cli_run *run, const char *way, double mean, double most, double diagonal)
 {
     double const part = diagonal > 0.0 ? 100.0 / diagonal : 0.0;
@@ -190,7 +182,7 @@ static int compare_meshes(cli_run *run, const cli_input in[2])
         if (measured != BVX_OK) status = cli_fail_status(run, measured, NULL);
     }
     if (status != CLI_DONE) return status;
-    diagonal = diagonal_of(&run->report.mesh[0].certificate);
+    diagonal = cli_diagonal(run->report.mesh[0].certificate.low, run->report.mesh[0].certificate.high);
     say_mesh(run, "A", &run->report.mesh[0]);
     say_mesh(run, "B", &run->report.mesh[1]);
     if (samples == 0) return CLI_DONE;

@@ -16,7 +16,7 @@ static void say_certificate(cli_run *run, const bvx_certificate *c)
     cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices and %" PRIu64 " edges\n", c->triangles, c->vertices, c->edges);
     if (c->unused_vertices != 0) cli_say(run, "  unused      %" PRIu64 " vertices\n", c->unused_vertices);
     if (c->collapsed + c->degenerate + c->duplicates != 0)
-        cli_say(run, "  harmless    %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64 " duplicate triangles\n",
+        cli_say(run, "  beside      %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64 " duplicate triangles\n",
                 c->collapsed, c->degenerate, c->duplicates);
     for (int a = 0; a < 3; a++)
         cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a], c->high[a] - c->low[a]);

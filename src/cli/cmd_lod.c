@@ -191,7 +191,9 @@ static void say_levels(cli_run *run, const cli_chain *c)
 
 static void say_distance(cli_run *run, double d, double diagonal)
 {
-    cli_say(run, "  %9.3g %6.3f%%", d, diagonal > 0.0 ? 100.0 * d / diagonal : 0.0);
+    double const part = d / diagonal;
+    if (diagonal > 0.0 && diagonal - diagonal == 0.0 && part - part == 0.0) cli_say(run, "  %9.3g %6.3f%%", d, 100.0 * part);
+    else cli_say(run, "  %9.3g %7s", d, "-");
 }
 
 static void say_distances(cli_run *run, const cli_chain *c)

@@ -89,13 +89,6 @@ static int choose_resolution(cli_run *run, cli_chain *c)
     return CLI_DONE;
 }
 
-static double diagonal_of(const double low[3], const double high[3])
-{
-    double sum = 0.0;
-    for (int a = 0; a < 3; a++) sum += (high[a] - low[a]) * (high[a] - low[a]);
-    return sqrt(sum);
-}
-
 static int count_solid(cli_run *run, const cli_chain *c)
 {
     bvx_grid_count(run->context, &c->solid, &run->report.set);
@@ -116,7 +109,7 @@ static int make_solid(cli_run *run, cli_chain *c)
     status = bvx_mesh_check(run->context, &c->view, 1, &c->certificate); /* the solid asks for places, not for numbers */
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, path);
-    c->diagonal = diagonal_of(c->certificate.low, c->certificate.high);
+    c->diagonal = cli_diagonal(c->certificate.low, c->certificate.high);
     if (choose_resolution(run, c) != CLI_DONE) return CLI_FAILED;
     cli_stage_begin(run, "voxelize");
     status = fit(run, c, c->resolution, &run->report.lattice);
@@ -181,7 +174,7 @@ static int open_grid(cli_run *run, cli_chain *c)
         low[a] = c->solid.low[a] * c->solid.lattice.spacing[a];
         high[a] = low[a] + c->solid.size[a] * c->solid.lattice.spacing[a];
     }
-    c->diagonal = diagonal_of(low, high);
+    c->diagonal = cli_diagonal(low, high);
     result = count_solid(run, c);
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "surface");

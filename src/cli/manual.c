@@ -159,7 +159,7 @@ static void put_values(const cli_command *c)
         printf("    %s/%s) ", c->name, a->name);
         if (a->kind == CLI_CHOICE) {
             printf("_bitvox_words '");
-            for (int k = 0; a->choice[k] != NULL; k++) printf("%s%s", k == 0 ? "" : " ", a->choice[k]);
+            for (int k = 0; a->choice[k] != NULL; k++) if (a->choice[k][0] != 0) printf("%s%s", k == 0 ? "" : " ", a->choice[k]);
             printf("'");
         } else {
             printf(a->kind == CLI_FILE ? "_bitvox_files" : ":");

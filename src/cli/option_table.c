@@ -29,8 +29,8 @@
 static const char *const method_names[] = {"edge-ratio", "coverage", NULL};
 static const char *const fill_names[] = {"parity", "nonzero", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
-static const char *const format_names[] = {"stl", "obj", "ply", "npy", "png", "off", "glb", "binvox", "vox", "nrrd", "vti",
-                                           "bvx", NULL};
+/* By BVX_FORMAT_...; those that are only written have no name here. */
+static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
 
 static const cli_argument arguments[] = {
     FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT, output, "where the result goes; the ending tells the format"),

@@ -189,9 +189,20 @@ static int make_temporary(cli_output *o, unsigned mode)
     return file != NULL && fclose(file) == 0;
 }
 
+/* The output opened before whose file this one would replace too, or NULL. */
+static const char *same_file(const cli_run *run, const cli_output *o)
+{
+    for (int i = 0; i < run->outputs; i++) {
+        const cli_output *const other = &run->output[i];
+        if (other != o && o->kind == CLI_OUT_NEW && other->kind == CLI_OUT_NEW && strcmp(other->target, o->target) == 0) return other->path;
+    }
+    return NULL;
+}
+
 int cli_open_output(cli_run *run, const char *path)
 {
     cli_output *const o = &run->output[run->outputs];
+    const char *same;
     unsigned mode = 0;
     int good, error;
     if (run->outputs == CLI_MAX_OUTPUTS) return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
@@ -200,9 +211,12 @@ int cli_open_output(cli_run *run, const char *path)
     o->path = copy_text(path);
     run->outputs++;
     errno = ENOMEM;
-    good = o->path != NULL && look_at_output(o, &mode) && (o->kind != CLI_OUT_NEW || make_temporary(o, mode));
+    good = o->path != NULL && look_at_output(o, &mode);
+    same = good ? same_file(run, o) : NULL;
+    good = good && same == NULL && (o->kind != CLI_OUT_NEW || make_temporary(o, mode));
     error = errno;
     cli_unlock();
+    if (same != NULL) return cli_fail(run, "%s and %s are one file", same, path);
     if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
     if (o->kind != CLI_OUT_STANDARD) return CLI_DONE;
     if (run->options.json) return cli_usage(run, "%s is standard output, where --json writes its report", path);

@@ -2,6 +2,7 @@
 #include "cli/cli.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 
 static void report_certificate(cli_text *t, const bvx_certificate *c)
@@ -137,4 +138,15 @@ void cli_note_peak(cli_run *run, uint64_t bytes)
     cli_lock();
     if (all > run->report.peak_bytes) run->report.peak_bytes = all;
     cli_unlock();
+}
+
+double cli_diagonal(const double low[3], const double high[3])
+{
+    double longest = 0.0, sum = 0.0;
+    for (int a = 0; a < 3; a++) longest = high[a] - low[a] > longest ? high[a] - low[a] : longest;
+    for (int a = 0; a < 3 && longest > 0.0; a++) { /* squares of large sides would be infinite */
+        double const side = (high[a] - low[a]) / longest;
+        sum += side * side;
+    }
+    return longest * sqrt(sum);
 }

@@ -49,14 +49,6 @@ static bvx_status compare_lattices(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
-static bvx_status check_compared(bvx_context *ctx, const char *function, const bvx_grid *grid)
-{
-    BVXI_TRY(bvxi_grid_check(ctx, function, grid));
-    for (uint64_t i = 0; i < 4; i++)
-        if (grid->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: grid.reserved[%u] is not zero", function, i);
-    return BVX_OK;
-}
-
 /* ---- The pass over all words ---- */
 
 static void clear_compare_sums(const int32_t size[3], compare_sums *s)
@@ -256,8 +248,8 @@ bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_g
     if (difference == NULL) return bvxi_fail_null(context, function, "difference");
     memset(difference, 0, sizeof *difference);
     memset(&d, 0, sizeof d);
-    BVXI_TRY(check_compared(context, "bvx_grid_compare, grid a", a));
-    BVXI_TRY(check_compared(context, "bvx_grid_compare, grid b", b));
+    BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid a", a));
+    BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid b", b));
     BVXI_TRY(compare_lattices(context, function, a, b));
     BVXI_TRY(compare_words(context, &w, &all));
     BVXI_TRY(count_components(context, function, &w, &all, 0, &d.components_only_a, &d.largest_only_a));

@@ -1,5 +1,6 @@
 /* write_mesh.c - a mesh to the bytes of a file: the checks around the writers, and what they share. */
 #include "io/formats.h"
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 
 bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, bvx_buffer *file)
@@ -52,6 +53,7 @@ static bvx_status check_written_mesh(bvx_context *ctx, const char *function, con
 {
     bvx_mesh_view view;
     double low[3], high[3];
+    BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
     if (mesh->triangle_count != 0 && mesh->triangles == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL", function);
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 && mesh->vertex_count != 0)

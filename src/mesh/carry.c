@@ -6,6 +6,7 @@
  * the target's positions are moved by their difference. Vertices do not depend on each other, so threads never show.
  * New arrays replace old ones when all of it is done. */
 #include "mesh/closest_query.h"
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 
 enum { CARRY_GRAIN = 64 /* least vertices a piece */ };
@@ -86,9 +87,7 @@ static bvx_status check_carried_mesh(bvx_context *ctx, const char *function, con
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u", function,
                          mesh->triangle_count);
     if (!bvxi_view_finite(mesh->frame)) return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.frame is not finite", function);
-    for (uint64_t i = 0; i < 4; i++)
-        if (mesh->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.reserved[%u] is not zero", function, i);
-    return BVX_OK;
+    return bvxi_mesh_check_reserved(ctx, function, mesh);
 }
 
 static int is_finite_uv(const float *uv)

@@ -90,9 +90,17 @@ void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view)
     view->colours = mesh->colours;
 }
 
+bvx_status bvxi_mesh_check_reserved(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
+{
+    for (uint64_t i = 0; i < 4; i++)
+        if (mesh->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.reserved[%u] is not zero", function, i);
+    return BVX_OK;
+}
+
 static bvx_status check_mesh_struct(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
     int const empty = mesh->vertex_count == 0 && mesh->triangle_count == 0;
+    BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 && !(empty && mesh->position_type == 0))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)",
                          function, (int64_t)mesh->position_type);

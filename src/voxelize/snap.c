@@ -143,7 +143,11 @@ bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view
     job.out = out;
     job.pieces = bvxi_piece_count(view->vertex_count, SNAP_GRAIN);
     memcpy(job.origin, lattice->origin, sizeof job.origin);
-    for (int32_t a = 0; a < 3; a++) job.scale[a] = (double)(1 << lattice->fraction_bits) / lattice->spacing[a];
+    for (int32_t a = 0; a < 3; a++) {
+        job.scale[a] = (double)(1 << lattice->fraction_bits) / lattice->spacing[a];
+        if (!(job.scale[a] - job.scale[a] == 0.0))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's spacing of %g is too small to divide by", function, lattice->spacing[a]);
+    }
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 12 + 4, "the snapped vertices", &out->xyz));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' rows", &out->cell);
     if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", 0.0, 0.1, job.pieces, snap_piece, &job);

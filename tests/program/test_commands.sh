@@ -486,5 +486,19 @@ rmdir t9_2.png
 picture 'meshes and grids on one sheet' sheet.png "$knot" knot.npy box.npy
 reports 'render --json' 'r["pictures"]["width"] == 60 and r["pictures"]["height"] == 20' render "$knot" knot.npy box.npy -o x.png --size 20x20
 
+# ---- two outputs that are one file; numbers at the ends of what doubles hold ----
+
+run lod "$knot" -o link_0.ply --levels 10 --samples 0
+ln -s link_0.ply link_1.ply
+refuses 1 'link_0.ply and link_1.ply are one file' lod "$knot" -o 'link_%d.ply' --levels 10,5 --samples 0
+rm -f link_0.ply link_1.ply
+printf 'v 0 0 0\nv 1e-310 0 0\nv 0 1e-310 0\nv 0 0 1e-310\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >tiny.obj
+refuses 1 'too small to divide by' lod tiny.obj -o 'tiny_%d.ply' --levels 8
+sed 's/e-310/e308/g' tiny.obj >huge.obj
+run lod huge.obj -o huge.ply --levels 8 --quiet
+run lod huge.obj -o huge.ply --levels 8
+if grep -q -e nan -e inf out; then not_ok 'no nan in the table of a huge mesh' 'nan or inf'; else ok 'no nan in the table of a huge mesh'; fi
+refuses 2 'takes one of: stl, obj, ply, npy, off, binvox' info - --format png
+
 echo "$passed passed, $failed failed$([ $skipped = 0 ] || echo ", $skipped skipped")"
 [ $failed = 0 ]

@@ -209,7 +209,7 @@ refuses 2 'like 1024x768' render "$knot" -o x.png --size 0x100
 refuses 2 'points nowhere' render "$knot" -o x.png --from 0,0,0
 refuses 2 'say it with --format' info -
 refuses 2 'is for standard input' info "$knot" --format ply
-refuses 2 'names no mesh format' info - --format png
+refuses 2 'takes one of: stl, obj' info - --format png
 refuses 2 'only once' render - - --format ply -o x.png
 refuses 2 'one of: auto, bar, json, none' info "$knot" --progress=yes
 refuses 2 'exclude each other' info "$knot" --progress=bar --quiet
