@@ -431,26 +431,55 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 
 /* ---- Solid voxelization ------------------------------------------------------------------------------------ */
 
-/** How crossings along a row decide what is inside. */
+/** What decides that a centre is inside. */
 enum {
-    BVX_FILL_PARITY = 0,  /**< an odd number of crossings before the centre: nested shells are cavities */
-    BVX_FILL_NONZERO = 1  /**< winding number other than zero: overlapping and inverted shells are one solid */
+    BVX_FILL_PARITY = 0,  /**< an odd number of crossings before the centre along x: nested shells are cavities */
+    BVX_FILL_NONZERO = 1, /**< winding number along x other than zero: overlapping and inverted shells are one solid */
+    BVX_FILL_VOTE = 2,    /**< the parities along x, y and z where they agree, else the majority of all directions: holes leave
+                               no stripes and close smoothly */
+    BVX_FILL_FLOOD = 3,   /**< what a flood from outside, through faces of voxels, cannot reach past the conservative surface:
+                               fills cavities; the surface's own voxels vote */
+    BVX_FILL_REGIONS = 4, /**< each region that the conservative surface leaves (connected through faces) is inside or outside as
+                               a whole: keeps cavities; the surface's own voxels vote */
+    BVX_FILL_BELOW = 5    /**< all that lies under a terrain, or between two */
 };
 
+/** Counts of one call, for its window (edges: of the mesh); those of rules that were not asked for are 0. */
 typedef struct bvx_solid_report {
-    uint64_t triangles_used;  /**< triangles whose box holds the centre of a row of the window (once for each 65535 rows a side) */
-    uint64_t crossings;       /**< of rows with the surface, also outside the window along x */
-    uint64_t unbalanced_rows; /**< rows redone without their unmatched crossings: the mesh has a hole there */
-    uint64_t dropped;         /**< unmatched crossings dropped in them */
-    uint64_t reserved[4];
+    uint64_t triangles_used;  /**< triangles whose box holds the centre of a row of the window (once for each 65535 rows a side);
+                                   rules that look along three axes: the sum of the three, here and in the next three */
+    uint64_t crossings;       /**< of rows with the surface, also outside the window along the row */
+    uint64_t unbalanced_rows; /**< rows whose crossings do not balance: the mesh has a hole there */
+    uint64_t dropped;         /**< parity, nonzero: unmatched crossings dropped in them */
+    uint64_t boundary_edges;  /**< check_edges: edges with one triangle, vertices at equal positions taken as one */
+    uint64_t flipped_edges;   /**< check_edges: edges with two triangles that run along it in the same direction */
+    uint64_t surface_voxels;  /**< flood, regions, add_shell: voxels of the conservative surface */
+    uint64_t closed_voxels;   /**< flood: voxels that closing gaps added to it */
+    uint64_t leaks;           /**< flood: voxels off the surface (gaps closed) that the flood reached although all three axes have
+                                   them inside */
+    uint64_t regions;         /**< regions: how many there are */
+    uint64_t mixed_regions;   /**< regions: those that hold sure centres of both sides, or none */
+    uint64_t mixed_voxels;    /**< regions: voxels of these; each kept its own vote */
+    uint64_t columns;         /**< below: columns under the surface; with a second: columns where both exist */
+    uint64_t cut_voxels;      /**< below, with a second: voxels where mesh lies above second */
+    uint64_t fill_voxels;     /**< below, with a second: voxels where second lies above mesh */
+    uint64_t reserved[5];
 } bvx_solid_report;
 
 typedef struct bvx_voxelize_options {
     size_t struct_size;
     int32_t fill;             /**< BVX_FILL_... [Default: BVX_FILL_PARITY] */
     int32_t reserved;
-    bvx_window window;        /**< [Default: all zero, the whole lattice] */
+    bvx_window window;        /**< flood, regions: the whole lattice only [Default: all zero, the whole lattice] */
     bvx_solid_report *report; /**< receives counts when not NULL [Default: NULL] */
+    int32_t close_gaps;       /**< flood: gaps of up to this many voxels hold the flood, which is to say: it moves as a cube of
+                                   close_gaps + 1 voxels a side [Units: voxels] [Limit: 0..65535] [Default: 0] */
+    int32_t add_shell;        /**< 1: voxels of the conservative surface are set too; not for below [Default: 0] */
+    int32_t check_edges;      /**< 1: count the report's boundary_edges and flipped_edges [Default: 0] */
+    int32_t axis;             /**< below: up is towards + along this axis [Limit: 0..2] [Default: 2] */
+    double base;              /**< below: the height from which columns are filled [Units: world] [Default: -infinity, all of
+                                   the lattice] */
+    const bvx_mesh_view *second; /**< below: fill between mesh and this, where both exist [Default: NULL] */
 } bvx_voxelize_options;
 
 BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size);
@@ -464,18 +493,339 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  * faces never share voxels. Rows whose crossings do not balance over the whole line drop the unmatched ones and are
  * counted: parity drops the crossing without which least of the row is filled (the later of two equals); nonzero
  * drops leaving crossings with nothing before them to leave, or entering ones with nothing behind (at one voxel entering
- * counts before leaving). Vertices that no triangle uses may be anything.
+ * counts before leaving). Vertices that no triangle uses may be anything (but finite for check_edges).
  *
- * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (vertex or index with its number: not
- * finite, beyond the vertices, or too far from the lattice for its fixed point), BVX_ERR_CAPACITY, BVX_ERR_BUDGET,
- * BVX_ERR_MEMORY, BVX_CANCELLED.
+ * VOTE     a centre is sure when its rows along x, y and z balance and their parities agree, ties as above; on closed meshes
+ *          all are, and vote equals parity bit for bit. Any other centre is inside when the mesh covers more than half of all
+ *          directions as seen from it, to be exact: when the whole number nearest to its solid angle in turns is odd, once the
+ *          open edges (those of an odd number of triangles) have been taken for loops in the triangles' direction. No orientation
+ *          of triangles plays a part but theirs. That angle is computed in doubles, the same everywhere, to 1e-8.
+ * REGIONS  a region whose sure centres all lie on one side lies there as a whole; in one that has both (a hole joins them) or
+ *          none each centre keeps its own vote, and the report counts it.
+ * FLOOD    beyond the lattice is outside. Voxels of the surface, and those that closing gaps put to it, vote.
+ * BELOW    each column of centres along axis is filled from base up to the highest crossing with the mesh; with second from
+ *          the lower of the two meshes' highest crossings to the higher one, not below base. Columns that nothing covers stay
+ *          empty. Overhangs are filled.
+ *
+ * Returns BVX_ERR_ARGUMENT (also options that the rule does not take, a window for flood or regions), BVX_ERR_EMPTY (no
+ * triangles; flood: it reached every centre off the surface although there is an inside), BVX_ERR_RANGE (vertex or index
+ * with its number: not finite, beyond the vertices, or too far from the lattice for its fixed point), BVX_ERR_CAPACITY,
+ * BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
  * Memory: the grid, 16 bytes a vertex, 1 a row, 100 KiB for each 4096 triangles up to 6.3 MiB, 160 KiB a worker; rows
- * filled from lists (nonzero, or where rows do not balance): 8 bytes a row and 4 a crossing of theirs.
- * Cost: O(vertices + triangles + crossings + words). Local: a window holds the bits of the whole there.
- * Source: scanline solid of "LOD by voxelization and downsampling" 2.3, with an exact tie rule in place of offsets.
+ * filled from lists (nonzero, or where rows do not balance): 8 bytes a row and 4 a crossing of theirs. VOTE: two more
+ * grids; where there are holes 24 bytes a triangle and 12 a vertex, then about 200 an open edge. REGIONS, FLOOD: that, and what
+ * bvx_voxelize_surface needs, its grid, 4 bytes a run of empty voxels and 16 for those of a slice and two rows; closing gaps:
+ * a grid of close_gaps more voxels a side. BELOW: one more grid unless axis is 0, 4 bytes a column and mesh, a second mesh's
+ * vertices and buffers. check_edges: as bvx_mesh_check.
+ * Cost: O(vertices + triangles + crossings + words), VOTE three times that and, for centres that are not sure, up to
+ * O(open edges) each, near O(log open edges) at a distance from holes; REGIONS, FLOOD: and that of bvx_voxelize_surface and
+ * O(runs); closing gaps O(words * log gap). Local but for REGIONS and FLOOD: a window holds the bits of the whole there.
+ * Source: scanline solid of "LOD by voxelization and downsampling" 2.3, with an exact tie rule in place of offsets;
+ * Nooruddin, Turk 2003 (votes of axes); Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using
+ * Generalized Winding Numbers. 2013 (all directions).
  */
 BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                       const bvx_voxelize_options *options, bvx_grid *solid);
+
+/** Where the rules for solids differ, and what a solid loses. */
+typedef struct bvx_fill_comparison {
+    uint64_t set[5];           /**< voxels that each rule sets, by BVX_FILL_PARITY .. BVX_FILL_REGIONS */
+    uint64_t surface_voxels;   /**< voxels of the conservative surface */
+    uint64_t disagreeing;      /**< voxels off the surface that some of the rules set and others do not */
+    uint64_t lost_voxels;      /**< voxels of the surface whose 3 x 3 x 3 neighbourhood holds no voxel of the vote's solid: a wall
+                                    thinner than a voxel was lost there */
+    uint64_t lost_places;      /**< pieces of these, connected through faces */
+    int32_t flood_leaked;      /**< 1: the flood reached every centre off the surface although there is an inside: it is left
+                                    out of disagreeing */
+    int32_t reserved;
+    uint64_t reserved2[4];
+} bvx_fill_comparison;
+
+typedef struct bvx_compare_fills_options {
+    size_t struct_size;
+    int32_t close_gaps;    /**< as for bvx_voxelize_solid [Default: 0] */
+    int32_t reserved;
+    bvx_grid *disagreeing; /**< receives the voxels counted there when not NULL; zeroed, or with words of the caller's [Default: NULL] */
+    bvx_grid *lost;        /**< receives the voxels counted in lost_voxels when not NULL [Default: NULL] */
+} bvx_compare_fills_options;
+
+BVX_API void bvx_compare_fills_options_init(bvx_compare_fills_options *options, size_t size);
+
+/** Fill a mesh by the rules parity, nonzero, vote, flood and regions and say where they differ: where the mesh is closed and
+ *  clean they do in cavities alone. Whole lattices only.
+ *  Returns what bvx_voxelize_solid returns, but for a flood that finds nothing. Memory: seven grids beside its own needs for
+ *  flood. Cost: that of vote, nonzero, regions and flood together. */
+BVX_API bvx_status bvx_compare_fills(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                     const bvx_compare_fills_options *options, bvx_fill_comparison *comparison);
+
+/* ---- Seeds and filling from them ---------------------------------------------------------------------------- */
+
+/** A voxel found inside a surface, and what it took. */
+typedef struct bvx_seed {
+    int32_t voxel[3];  /**< of the surface's window, as bvx_grid_get takes it; all zero when none was found */
+    int32_t found;     /**< 1: voxel is empty and hidden by surface voxels in all six directions */
+    int32_t verified;  /**< 1: a mesh was given, and by the rule vote the voxel's centre is inside it */
+    int32_t reserved;
+    uint64_t scans[3]; /**< lines scanned along x, y and z: the paper's counts i, j and k */
+    uint64_t starts;   /**< rows that the search began at */
+    uint64_t refused;  /**< hidden voxels that the mesh has outside */
+    uint64_t reserved2[2];
+} bvx_seed;
+
+/**
+ * Find one voxel inside a surface by scanning lines of voxels.
+ *
+ * From the row in the middle of the surface's box: the first empty voxel behind the row's first surface voxel, if it lies
+ * before the last one; is it so too between the first and last surface voxel of its column along y, and along z? Where not,
+ * the first empty voxel behind that column's first surface voxel gives the next row. A row that leads nowhere, or back, is
+ * followed by another one, spread evenly over the box, until one was found, all rows were tried, or limit lines scanned.
+ * Hidden in six directions is not yet inside (a bottle with a narrow neck): with a mesh, the voxel must be inside it by the
+ * rule vote; further empty voxels of the row are tried, then further rows.
+ *
+ * surface  the voxels of a surface, by any rule of bvx_voxelize_surface
+ * mesh     NULL, or the mesh that it came from
+ * limit    lines to scan at most [Default: 0, all that there are]
+ * seed     out; found 0 is no error
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED; with a mesh as bvx_voxelize_solid.
+ * Memory: none; with a mesh that of the rule vote. Cost: O(lines scanned); with a mesh and that of the rule vote.
+ * Source: "Fast voxelization based on TIN" Algorithm 2, bounded, and with its seed verified.
+ */
+BVX_API bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh, uint64_t limit,
+                                 bvx_seed *seed);
+
+/** One voxel of each pocket inside a surface: of each set of empty voxels, connected through faces, the least in the
+ *  order z, y, x. With a mesh a pocket counts when the rule vote has that voxel inside; without one (NULL) when it does not
+ *  touch the window's sides. seeds x y z each, of the surface's window [Size: capacity * 3]; NULL: count only.
+ *  Returns BVX_ERR_CAPACITY (count is then what there are), and as bvx_find_seed. Memory: 4 bytes a run of empty voxels and
+ *  16 for those of a slice and two rows; with a mesh also the vote's, and a grid. */
+BVX_API bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh, int32_t *seeds,
+                                    uint64_t capacity, uint64_t *count);
+
+/** Set all voxels that are connected with one of the seeds through empty voxels of a grid, across faces (connectivity 6),
+ *  faces and edges (18), or corners too (26). Set voxels of the grid are walls and stay out of the result.
+ *  seeds x y z each, of the grid's window, none on a set voxel [Size: seed_count * 3].
+ *  Returns BVX_ERR_ARGUMENT (a seed on a set voxel or outside the window, with its number), BVX_ERR_RANGE, BVX_ERR_CAPACITY,
+ *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the result, 4 bytes a run of empty voxels and 16 for those of a slice
+ *  and two rows. Cost: O(words + runs). */
+BVX_API bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds, uint64_t seed_count,
+                                 int32_t connectivity, bvx_grid *filled);
+
+/* ---- Surface voxelization ---------------------------------------------------------------------------------- */
+
+/** Which voxels are the surface. */
+enum {
+    BVX_SURFACE_CONSERVATIVE = 0, /**< every voxel whose closed box meets a triangle: no 6-, 18- or 26-path leaks through */
+    BVX_SURFACE_THIN = 1,         /**< every voxel whose axis cross (three unit segments through its centre) meets a triangle: no
+                                       6-path leaks through */
+    BVX_SURFACE_SAMPLED = 2       /**< every voxel that holds a point of the triangles' subdivision into parts shorter than a voxel:
+                                       26-connected; a flood may leak through */
+};
+
+/** The triangles that touch each set voxel, by rank: set voxel number r, counted in the order of the grid's bits (z, y, x),
+ *  has triangles[offsets[r]] .. triangles[offsets[r + 1] - 1], ascending. */
+typedef struct bvx_attached {
+    uint64_t *offsets;       /**< [Size: voxel_count + 1] */
+    uint32_t *triangles;     /**< [Size: triangle_count] */
+    uint64_t voxel_count;    /**< set voxels of the grid */
+    uint64_t triangle_count; /**< offsets[voxel_count] */
+    uint64_t reserved[2];
+} bvx_attached;
+
+/** Return what the library allocated and zero the struct. */
+BVX_API void bvx_attached_free(bvx_context *context, bvx_attached *attached);
+
+typedef struct bvx_surface_report {
+    uint64_t triangles; /**< sampled: triangles whose first corner lies in the window; all counts are 0 for the other modes */
+    uint64_t samples;   /**< sampled: points of their subdivision */
+    uint64_t parts;     /**< sampled: sum of the parts of the triangles' longest edges; by triangles, the mean subdivision
+                             coefficient of the paper */
+    uint64_t reserved[4];
+} bvx_surface_report;
+
+typedef struct bvx_surface_options {
+    size_t struct_size;
+    int32_t mode;               /**< BVX_SURFACE_... [Default: BVX_SURFACE_CONSERVATIVE] */
+    int32_t reserved;
+    bvx_window window;          /**< [Default: all zero, the whole lattice] */
+    bvx_attached *attached;     /**< zeroed; receives the triangles of each voxel when not NULL [Default: NULL] */
+    bvx_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
+} bvx_surface_options;
+
+BVX_API void bvx_surface_options_init(bvx_surface_options *options, size_t size);
+
+/**
+ * Set the voxels that a mesh's surface touches, by one of three exact definitions.
+ *
+ * Vertices are snapped to the lattice's fixed point; from there every decision is exact, closed sets touch when they share
+ * a point, and triangles without area count as the segments or points that they are (thin: they have no crossing). The
+ * result depends on no order of triangles or corners. A triangle writes runs along x, not voxels.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (vertex or index with its number, as in
+ * bvx_voxelize_solid), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
+ * Memory: the grid, 16 bytes a vertex, and with more than one thread 4 for each triangle and tile of rows that it reaches;
+ * attached: 8 bytes a voxel and 4 a pair for the result, and 4 a voxel.
+ * Cost: O(vertices + triangles + runs + words); sampled: O(points in the window); attached: twice more. Local: a window holds the bits of the
+ * whole there.
+ * Source: Schwarz, Seidel 2010 (conservative); Laine 2013 (thin); "Fast voxelization based on TIN" Algorithm 1 (sampled).
+ */
+BVX_API bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                        const bvx_surface_options *options, bvx_grid *surface);
+
+/* ---- Refinement -------------------------------------------------------------------------------------------- */
+
+/** What an octree says of a voxel; as bits, so that they make sets. */
+enum {
+    BVX_STATE_OUTSIDE = 1, /**< a flood from outside through faces of voxels reaches it (trees with a window: by rows) */
+    BVX_STATE_INSIDE = 2,  /**< no triangle touches it, and it is not outside */
+    BVX_STATE_SURFACE = 4  /**< a triangle touches its closed box */
+};
+
+/** Voxels of several sizes: level 0 is a base lattice, each further level halves the voxels that triangles touch. */
+typedef struct bvx_octree bvx_octree;
+
+/** One voxel of an octree. */
+typedef struct bvx_octree_leaf {
+    int32_t ijk[3];   /**< index among the voxels of its level */
+    uint8_t level;
+    uint8_t state;    /**< BVX_STATE_... */
+    uint8_t reserved[2];
+} bvx_octree_leaf;
+
+/** Counts of one level. */
+typedef struct bvx_octree_level {
+    uint64_t voxels;  /**< all of the level: split ones and leaves */
+    uint64_t split;   /**< touched by triangles and split in eight; 0 at the last level */
+    uint64_t surface; /**< leaves that triangles touch; 0 above the last level without window and tolerance */
+    uint64_t inside, outside; /**< leaves that no triangle touches */
+    uint64_t bytes;   /**< that the tree keeps for them */
+    uint64_t reserved[2];
+} bvx_octree_level;
+
+typedef struct bvx_refine_options {
+    size_t struct_size;
+    int32_t levels;      /**< how many times voxels are halved [Limit: 0..25, dims * 2^levels <= 2^25] [Default: 6] */
+    int32_t start_level; /**< levels up to this one come from one grid of it, later ones from their parents' triangles; shows in
+                              time and memory only [Limit: -1..levels] [Default: -1, chosen by size] */
+    bvx_window window;   /**< voxels of the last level; beyond it voxels are halved outer_levels times only; grows to whole voxels
+                              of that level [Default: all zero, the whole lattice] */
+    int32_t outer_levels; /**< looked at with a window [Limit: 0..levels] [Default: 0] */
+    int32_t reserved;
+    double tolerance;    /**< a voxel whose triangles lie in whole within this distance of one plane is a leaf of the surface
+                              [Units: world] [Limit: >= 0] [Default: 0, none is] */
+} bvx_refine_options;
+
+BVX_API void bvx_refine_options_init(bvx_refine_options *options, size_t size);
+
+/**
+ * Voxelize a mesh with small voxels at its surface alone.
+ *
+ * Vertices are snapped once, to the lattice of the last level (bvx_octree_lattice): base's voxels in dims * 2^levels. Each
+ * voxel whose closed box meets a triangle is split in eight down to the last level; children are tested exactly, against
+ * their parent's triangles only. Then boundary states go from voxel to voxel, across base voxels and sizes, until nothing
+ * changes: a voxel of any size without triangles that shares a face with an outside one, or with the lattice's side, is
+ * outside; what is left is inside. At the last level the surface is that of bvx_voxelize_surface (conservative), and
+ * inside is what the flood around it cannot reach, bit for bit. A coarse voxel is outside when a passage that only
+ * finer levels show leads to it.
+ *
+ * With a window, or a tolerance, some of the touched voxels above the last level are leaves of the surface. A tolerance
+ * guarantees that the surface within each of them lies within it of a plane; the flood takes them as walls. With a window
+ * the surface in it is as without, and the unsplit voxels beyond it could hide passages from a flood: so inside is what the
+ * rows say (bvx_voxelize_solid by parity, at the window's own voxels, and beyond it at those of outer_levels): cavities stay
+ * empty, and meshes with holes are not for it.
+ *
+ * base  the lattice of level 0; its fraction_bits are not looked at. bvx_lattice_fit(context, mesh, 8, &base) makes one
+ * tree  out: *tree must be NULL; bvx_octree_free takes it back
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (as bvx_voxelize_surface; a base or levels beyond
+ * the lattice, with the most levels that fit; 2^28 split voxels of a level), BVX_ERR_BUDGET (names the most levels that fit),
+ * BVX_ERR_MEMORY, BVX_CANCELLED.
+ * Memory: the tree (2 to 3.5 bytes a split voxel, and the base's bits twice), 16 bytes a vertex, 13 a split voxel, and for the two
+ * finest levels that are split 20 a voxel and 5 for each triangle that touches it; a grid of up to 128 MiB. A window: its grid
+ * and that of outer_levels, and what bvx_voxelize_solid needs.
+ * Cost: O(triangles of each split voxel + voxels).
+ * Source: "Refinement of surface voxels by boundary states" 2.1 and 2.2, with a worklist in place of one traversal.
+ */
+BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
+                              const bvx_refine_options *options, bvx_octree **tree);
+
+/** Return what bvx_refine allocated; NULL is allowed. */
+BVX_API void bvx_octree_free(bvx_context *context, bvx_octree *tree);
+
+/** Times that the tree's voxels are halved: the number of its last level; -1 for NULL. */
+BVX_API int32_t bvx_octree_levels(const bvx_octree *tree);
+
+/** The lattice of a level; that of the last one is the one that vertices were snapped to. Returns BVX_ERR_ARGUMENT. */
+BVX_API bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tree, int32_t level, bvx_lattice *lattice);
+
+/** Counts of the levels 0 .. bvx_octree_levels. Returns BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY. Cost: O(bytes of the tree). */
+BVX_API bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts, int32_t capacity);
+
+/** The leaves that hold voxels of the last level, three indices each. Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (a voxel
+ *  beyond the lattice, with its number), BVX_CANCELLED. Memory: none. Cost: O(levels) a voxel. */
+BVX_API bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,
+                                 bvx_octree_leaf *leaves);
+
+/** The leaves that hold points, x y z each [Units: world]; beyond the lattice: state outside, level 255, ijk 0.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (a point that is not finite, with its number), BVX_CANCELLED. */
+BVX_API bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points, uint64_t count,
+                                   bvx_octree_leaf *leaves);
+
+/** The leaves that share a face with a leaf, beyond it towards a direction: 0 to 5 for -x, -y, -z, +x, +y, +z. One of the same
+ *  size or larger, or all smaller ones on that face; none beyond the lattice. leaves NULL: only count them.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (no voxel of the tree), BVX_ERR_CAPACITY (*count is what it takes). Memory: none. */
+BVX_API bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, const bvx_octree_leaf *leaf, int32_t direction,
+                                         bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count);
+
+/** Where a ray first meets a leaf. */
+typedef struct bvx_octree_hit {
+    double t;             /**< position = origin + t * direction */
+    double position[3];   /**< [Units: world] */
+    bvx_octree_leaf leaf;
+    int32_t axis;         /**< of the face that is crossed: 0, 1, 2; -1 when the ray starts in the leaf */
+    int32_t hit;          /**< 0: the ray meets none, and the other fields are zero */
+} bvx_octree_hit;
+
+/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world], at the leaves in a set of states (0:
+ *  surface and inside). Hits have 0 <= t <= t_max. Boxes are closed: the hit is the least (t, z, y, x) of the leaves' low corners
+ *  among all that the ray touches, by one stated evaluation in doubles.
+ *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or no number), BVX_ERR_RANGE (a ray that is not finite, with its
+ *  number), BVX_CANCELLED. Memory: none. Cost: O(rows of the base + octets crossed) a ray. */
+BVX_API bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays, uint64_t count,
+                                   double t_max, bvx_octree_hit *hits);
+
+/** The leaves in a set of states (0: surface and inside), by base voxel (z, y, x), within it along the curve that takes x first,
+ *  then y, then z at each level. leaves NULL: only count them. Returns BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY, BVX_CANCELLED.
+ *  Memory: none. Cost: O(voxels). */
+BVX_API bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves,
+                                     uint64_t capacity, uint64_t *count);
+
+/**
+ * The voxels of one level, in a set of states, as a grid.
+ *
+ * level   0 .. bvx_octree_levels. Above the last level a voxel that is split counts as surface, and others keep what the
+ *         last level made of them
+ * states  BVX_STATE_... added; 0: surface and inside
+ * window  of the level's lattice; NULL or all zero: all of it
+ * grid    out; zeroed, or with words of the caller's
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE, BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
+ * Memory: the grid. Cost: O(words + voxels in the window).
+ */
+BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,
+                                     const bvx_window *window, bvx_grid *grid);
+
+struct bvx_extract_options;
+
+/**
+ * The closed surface of the last level's voxels in a set of states (0: surface and inside), block by block: all of the level is
+ * never expanded. The bytes are those of bvx_extract_surface on all of it; options are its own, all sides closed.
+ *
+ * Returns what bvx_octree_expand, bvx_extract_surface and bvx_mesh_merge return; dims are below 2^20, as for keys. mesh must be
+ * empty. Memory: the surface twice, with keys, and what merging takes. Cost: O(surface + blocks of 256 x 256 x 256 voxels).
+ */
+BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
+                                      const struct bvx_extract_options *options, bvx_mesh *mesh);
 
 /* ---- Surface extraction ------------------------------------------------------------------------------------ */
 
@@ -522,6 +872,41 @@ BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid,
  */
 BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
                                        bvx_mesh *mesh);
+
+typedef struct bvx_faces_options {
+    size_t struct_size;
+    int32_t position_type; /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
+    int32_t merged;        /**< 1: faces of one plane and side are merged into rectangles [Default: 0] */
+    int32_t reserved;
+} bvx_faces_options;
+
+BVX_API void bvx_faces_options_init(bvx_faces_options *options, size_t size);
+
+/** Exact size of what bvx_extract_faces would make. Memory: 8 bytes a row; merged: as there. */
+BVX_API bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
+                                   uint64_t *vertex_count, uint64_t *triangle_count);
+
+/**
+ * The voxels themselves as a mesh: each face between a set and an empty voxel, outwards, as two triangles. Beyond the
+ * window counts as empty.
+ *
+ * Vertices are the used corners of voxels, each once, in order of (z, y, x). The mesh is closed and its volume that of the
+ * set voxels; where voxels touch along an edge or at a corner alone it is not manifold there (bvx_extract_surface's is).
+ * Faces are in order of (z, y, x, axis) of their low corner.
+ * Merged, the faces of one plane and side become rectangles: the first face left, in order of (z, y, x), as far as its run
+ * goes, then as many rows on as hold all of the run. Corners of one rectangle may lie on a side of another (T-junctions): the
+ * mesh covers the same points without a crack, but its edges do not pair up, and bvx_mesh_check finds it open.
+ * Rectangles come by axis (x, y, z), plane, side (- before +), and in a plane by their first faces.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (f32 as in bvx_extract_surface; 2^32 - 1 vertices or triangles), BVX_ERR_CAPACITY,
+ * BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. An empty grid gives an empty mesh.
+ * Memory: the mesh and 8 bytes a row; merged: one more grid, 28 bytes a rectangle, and 16 bytes a row and worker.
+ * Cost: O(words + faces).
+ * Source: "LOD by voxelization and downsampling" 2.3 (its picture of voxels).
+ */
+BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
+                                     bvx_mesh *mesh);
 
 /** Join meshes with keys (windows of one lattice) into one: the bytes of the whole extracted at once, keys included.
  *  Returns BVX_ERR_ARGUMENT (no keys, types or frames that differ), BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET.
@@ -592,7 +977,8 @@ BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, c
 enum {
     BVX_FORMAT_UNKNOWN = 0, BVX_FORMAT_STL = 1, BVX_FORMAT_OBJ = 2, BVX_FORMAT_PLY = 3, BVX_FORMAT_NPY = 4,
     BVX_FORMAT_PNG = 5, BVX_FORMAT_OFF = 6, BVX_FORMAT_GLB = 7, BVX_FORMAT_BINVOX = 8, BVX_FORMAT_VOX = 9,
-    BVX_FORMAT_NRRD = 10, BVX_FORMAT_VTI = 11, BVX_FORMAT_BVX = 12
+    BVX_FORMAT_NRRD = 10, BVX_FORMAT_VTI = 11, BVX_FORMAT_BVX = 12,
+    BVX_FORMAT_VTU = 13
 };
 
 /** Bytes made by the library; freed by bvx_buffer_free. */
@@ -652,6 +1038,19 @@ BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, in
  * Cost: O(voxels) bytes written; BVX, BINVOX: O(words + runs).
  */
 BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file);
+
+/**
+ * Write the leaves of an octree in a set of states (0: surface and inside).
+ *
+ * BVX_FORMAT_VTU  VTK unstructured grid: voxels (cells of type 11) with cell data uint8 "level" and "state", in the order of
+ *                 bvx_octree_leaves; corners are shared, f64 [Units: world]; raw appended
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no such leaf), BVX_ERR_RANGE (2^28 leaves or more, dims beyond 2^21 - 1),
+ * BVX_ERR_UNSUPPORTED (no octree format), BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file, 16 bytes a leaf, and
+ * 192 while corners are brought together.
+ */
+BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states, int32_t format,
+                                    bvx_buffer *file);
 
 /**
  * Read a grid from the bytes of a file.

@@ -119,6 +119,22 @@ static int take_choice(const cli_argument *a, const char *text, int32_t *v)
     return 0;
 }
 
+/* surface,inside: each name once. */
+static int take_set(const cli_argument *a, const char *text, int32_t *set)
+{
+    const char *p = text;
+    *set = 0;
+    for (;;) {
+        size_t const n = strcspn(p, ",");
+        int i = 0;
+        while (a->choice[i] != NULL && (strlen(a->choice[i]) != n || strncmp(a->choice[i], p, n) != 0)) i++;
+        if (a->choice[i] == NULL || (*set & a->base << i) != 0) return 0;
+        *set |= a->base << i;
+        if (p[n] == 0) return 1;
+        p += n + 1;
+    }
+}
+
 /* Store a value; 0 when it is malformed. */
 static int take_value(const cli_argument *a, const char *text, cli_options *o)
 {
@@ -130,6 +146,8 @@ static int take_value(const cli_argument *a, const char *text, cli_options *o)
     case CLI_FLAG: *(int32_t *)field = 1; return 1;
     case CLI_FILE:
     case CLI_TEXT: *(const char **)field = text; return text[0] != 0;
+    case CLI_NUMBER: return take_real(text, "", field, &rest);
+    case CLI_SET: return take_set(a, text, field);
     case CLI_INT:
         if (!take_whole(text, "", a->low, a->high, &whole, &rest)) return 0;
         *(int32_t *)field = (int32_t)whole;
@@ -179,6 +197,13 @@ static void describe_value(const cli_argument *a, char *text, size_t room)
         break;
     case CLI_FILE: snprintf(text, room, "the name of a file"); break;
     case CLI_TEXT: snprintf(text, room, "a text that is not empty"); break;
+    case CLI_NUMBER: snprintf(text, room, "a number"); break;
+    case CLI_SET:
+        snprintf(text, room, "one or more of");
+        for (int i = 0; a->choice[i] != NULL; i++)
+            snprintf(text + strlen(text), room - strlen(text), "%s %s", i == 0 ? "" : ",", a->choice[i]);
+        snprintf(text + strlen(text), room - strlen(text), ", with commas between");
+        break;
     case CLI_FLAG: snprintf(text, room, "nothing"); break;
     }
 }

@@ -27,6 +27,8 @@ enum {
     CLI_RENDER = 1 << 3,
     CLI_CONVERT = 1 << 4,
     CLI_COMPARE = 1 << 5,
+    CLI_FACES = 1 << 6,
+    CLI_REFINE = 1 << 7,
     CLI_ALL = 0x7fffffff
 };
 
@@ -93,7 +95,19 @@ typedef struct cli_options {
     int64_t seed;
     cli_planes cut;
     cli_sheet slices;
+    int32_t mode;               /* of voxelize: CLI_MODE_... */
+    int32_t close_gaps, add_shell, check_edges, compare_fills;
+    double base;                /* height that columns stand on */
+    const char *second;         /* the other terrain's file */
+    int32_t up_axis;            /* 1 to 3 */
+    int32_t merge;
+    int32_t base_voxels, depth, outer_levels, expand, leaves;
+    int32_t states;             /* BVX_STATE_... added */
+    double tolerance;
 } cli_options;
+
+/* What voxelize sets: the solid, or 1 + BVX_SURFACE_... */
+enum { CLI_MODE_SOLID = 0, CLI_MODE_CONSERVATIVE = 1, CLI_MODE_THIN = 2, CLI_MODE_SAMPLED = 3 };
 
 /* What a value is, and the type of its field: */
 typedef enum cli_kind {
@@ -109,6 +123,8 @@ typedef enum cli_kind {
     CLI_CUT,    /* cli_planes; the option may stand again for another axis */
     CLI_SLICES, /* cli_sheet, count from low to high */
     CLI_FILE,   /* const char *, the name of a file */
+    CLI_NUMBER, /* double, any */
+    CLI_SET,    /* int32_t, a bit for each name of a list: base << the place among the names */
     CLI_TEXT    /* const char *, any text but none */
 } cli_kind;
 
@@ -125,6 +141,8 @@ typedef struct cli_argument {
     const char *help;          /* lines */
 } cli_argument;
 
+/* The rules of --fill by BVX_FILL_..., and the modes of voxelize by CLI_MODE_...; NULL behind the last. */
+extern const char *const cli_fill_names[], *const cli_mode_names[];
 /* Row i of the table, NULL behind the last; one name may stand in several rows for different commands. */
 const cli_argument *cli_argument_at(int i);
 /* Fill run->options; CLI_DONE or CLI_USAGE with a message. */
@@ -257,6 +275,45 @@ int cli_window_option(cli_run *run, bvx_window *window);
 int cli_read_input(cli_run *run, const char *path, cli_input *input);
 void cli_free_input(cli_run *run, cli_input *input);
 
+/* ---- mesh_lattice.c: where voxels of a mesh lie ---- */
+
+typedef struct cli_box {
+    double low[3], high[3];
+} cli_box;
+
+/* Refuse what of --resolution, --spacing, --origin and --padding contradicts itself. */
+int cli_check_lattice(cli_run *run);
+/* The box of the vertices that a mesh's triangles use; one that holds two. */
+void cli_mesh_box(const bvx_mesh *mesh, cli_box *box);
+void cli_join_boxes(cli_box *box, const cli_box *other);
+/* A view of a box's two corners: what is fitted to it is fitted to the box. */
+void cli_box_view(const cli_box *box, bvx_mesh_view *view);
+/* A lattice by the options. */
+bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
+
+/* ---- solids.c: the rules that fill a mesh ---- */
+
+/* Refuse options that the rule of --fill has no use for. */
+int cli_check_fill(cli_run *run);
+/* --fill and its options; second and the report are the caller's. */
+void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
+/* What the report of a solid tells: warnings; lines of text; a member of the JSON report. */
+void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
+void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
+void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
+
+/* ---- fill_table.c: --compare-fills ---- */
+
+int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice *lattice, bvx_fill_comparison *comparison);
+/* The comparison as lines of text and as a member of the JSON report. */
+void cli_tell_fills(cli_run *run, const bvx_fill_comparison *comparison);
+
+/* ---- leaf_mesh.c: refine --leaves ---- */
+
+/* The leaves in the states asked for, less what --cut takes away, as boxes; to be freed here in any case. */
+int cli_make_leaf_mesh(cli_run *run, const bvx_octree *tree, bvx_mesh *mesh);
+void cli_free_leaf_mesh(bvx_mesh *mesh);
+
 /* ---- grid_output.c: a grid out, with its side-car where the format keeps no lattice ---- */
 
 /* Refuse an ending that stands for no grid; refuse a lattice that the format cannot hold. */
@@ -374,7 +431,7 @@ const cli_command *cli_command_at(int i);
 /* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
-extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare;
+extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);

@@ -28,7 +28,7 @@ static char *level_path(const char *pattern, int level)
 /* Options that speak of voxelizing, or of what only meshes have. */
 static int refuse_for_grid(cli_run *run)
 {
-    static const char *const option[] = {"--resolution", "--padding", "--fill", "--carry"};
+    static const char *const option[] = {"--resolution", "--padding", "--fill", "--close-gaps", "--carry"};
     for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
         if (cli_given(run, option[i]))
             return cli_usage(run, "%s is for meshes; %s is a grid", option[i], cli_input_name(run->options.input[0]));
@@ -45,6 +45,7 @@ static int check_lod_options(cli_run *run, cli_chain *c)
     if (cli_kind_of_format(format) != CLI_MESH || cli_is_packed(o->output))
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", o->output);
     if (c->kind == CLI_GRID && refuse_for_grid(run) != CLI_DONE) return CLI_USAGE;
+    if (cli_check_fill(run) != CLI_DONE) return CLI_USAGE;
     if (o->carry && format == BVX_FORMAT_STL)
         return cli_usage(run, "%s: .stl holds neither colours nor texture coordinates; take .ply, .obj or .glb for --carry", o->output);
     if (o->levels.count != 0 && o->triangles.count != 0) return cli_usage(run, "--levels and --triangles exclude each other");

@@ -235,6 +235,7 @@ static int check_render_options(cli_run *run)
     if (points_nowhere(&o->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
     status = check_slices(run);
     if (status == CLI_DONE) status = check_kinds(run);
+    if (status == CLI_DONE) status = cli_check_fill(run);
     return status == CLI_DONE ? check_turntable(run) : status;
 }
 

@@ -1,126 +1,201 @@
-/* cmd_voxelize.c - bitvox voxelize: the solid of a mesh as a grid. */
+/* cmd_voxelize.c - bitvox voxelize: the solid or the surface of a mesh as a grid. */
 #include "cli/cli.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <string.h>
 
-enum { DEFAULT_RESOLUTION = 256 };
+/* What the voxels are made from. */
+typedef struct voxel_job {
+    bvx_mesh mesh, second;  /* second: --second */
+    bvx_mesh_view view, second_view;
+    cli_box box;            /* what the lattice must hold */
+    bvx_mesh_view fitted;   /* what the lattice is fitted to */
+    bvx_window window;
+    bvx_grid grid;
+} voxel_job;
+
+/* ---- what is asked for ---- */
+
+static int check_mode(cli_run *run)
+{
+    static const char *const of_solids[] = {"--fill", "--close-gaps", "--add-shell", "--check-edges", "--compare-fills",
+                                            "--base", "--second", "--up"};
+    int32_t const mode = run->options.mode;
+    for (size_t i = 0; i < sizeof of_solids / sizeof of_solids[0] && mode != CLI_MODE_SOLID; i++)
+        if (cli_given(run, of_solids[i])) return cli_usage(run, "%s is for solids; --mode %s has no use for it", of_solids[i], cli_mode_names[mode]);
+    return CLI_DONE;
+}
+
+static int check_second(cli_run *run)
+{
+    const char *const second = run->options.second;
+    int kind, status;
+    if (second == NULL) return CLI_DONE;
+    if (strcmp(second, "-") == 0) return cli_usage(run, "--second takes a file with a name, not standard input");
+    status = cli_input_kind(run, second, &kind);
+    if (status == CLI_DONE && kind == CLI_GRID) return cli_usage(run, "--second takes a mesh; %s is a grid", second);
+    return status;
+}
 
 static int check_voxelize_options(cli_run *run, bvx_window *window)
 {
-    const cli_options *const o = &run->options;
-    int const status = cli_check_grid_name(run, o->output);
-    if (status != CLI_DONE) return status;
-    if (o->resolution.count != 0 && o->spacing != 0.0) return cli_usage(run, "--resolution and --spacing exclude each other");
-    if (o->origin.given && o->spacing == 0.0) return cli_usage(run, "--origin needs --spacing");
-    if (o->origin.given && o->padding != 0) return cli_usage(run, "--origin and --padding exclude each other");
-    return cli_window_option(run, window);
+    int kind, status = cli_check_grid_name(run, run->options.output);
+    if (status == CLI_DONE) status = cli_check_lattice(run);
+    if (status == CLI_DONE) status = check_mode(run);
+    if (status == CLI_DONE) status = cli_check_fill(run);
+    if (status == CLI_DONE) status = check_second(run);
+    if (status == CLI_DONE) status = cli_window_option(run, window);
+    if (status == CLI_DONE) status = cli_input_kind(run, run->options.input[0], &kind);
+    if (status == CLI_DONE && kind == CLI_GRID)
+        return cli_usage(run, "%s is a grid already: 'bitvox convert' writes it in another format", cli_input_name(run->options.input[0]));
+    return status;
 }
 
-/* From a given corner up to the mesh's high end. */
-static bvx_status lattice_from_origin(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
+/* ---- the lattice ---- */
+
+/* The lattice holds both terrains, and goes down to the base. */
+static int choose_box(cli_run *run, voxel_job *job)
 {
     const cli_options *const o = &run->options;
-    bvx_lattice_options fit;
-    double spacing[3] = {o->spacing, o->spacing, o->spacing};
-    int32_t dims[3];
-    bvx_status status;
-    bvx_lattice_options_init(&fit, sizeof fit);
-    memcpy(fit.spacing, spacing, sizeof spacing);
-    status = bvx_lattice_fit_with(run->context, view, &fit, lattice); /* its far end covers the mesh */
-    if (status != BVX_OK) return status;
-    for (int a = 0; a < 3; a++) {
-        double const far_end = lattice->origin[a] + lattice->dims[a] * lattice->spacing[a];
-        double const n = -floor((o->origin.value[a] - far_end) / o->spacing);
-        dims[a] = n < 1.0 ? 1 : n > 2147483647.0 ? INT32_MAX : (int32_t)n;
+    int const based = cli_given(run, "--base"), up = o->up_axis != 0 ? o->up_axis - 1 : 2;
+    bvx_lattice unused;
+    bvx_status status = BVX_OK;
+    job->fitted = job->view;
+    if (o->second == NULL && !based) return CLI_DONE;
+    status = bvx_lattice_fit(run->context, &job->view, 1, &unused); /* refuses what has no box */
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
+    cli_mesh_box(&job->mesh, &job->box);
+    if (o->second != NULL) {
+        cli_box other;
+        status = bvx_lattice_fit(run->context, &job->second_view, 1, &unused);
+        if (status != BVX_OK) return cli_fail_status(run, status, o->second);
+        cli_mesh_box(&job->second, &other);
+        cli_join_boxes(&job->box, &other);
     }
-    return bvx_lattice_make(run->context, o->origin.value, spacing, dims, lattice);
-}
-
-static bvx_status make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
-{
-    const cli_options *const o = &run->options;
-    bvx_lattice_options fit;
-    if (o->origin.given) return lattice_from_origin(run, view, lattice);
-    bvx_lattice_options_init(&fit, sizeof fit);
-    fit.padding = o->padding;
-    if (o->spacing != 0.0)
-        for (int a = 0; a < 3; a++) fit.spacing[a] = o->spacing;
-    else if (o->resolution.count == 3)
-        for (int a = 0; a < 3; a++) fit.axis_resolution[a] = (int32_t)o->resolution.value[a];
-    else fit.resolution = o->resolution.count == 1 ? (int32_t)o->resolution.value[0] : DEFAULT_RESOLUTION;
-    return bvx_lattice_fit_with(run->context, view, &fit, lattice);
-}
-
-static void say_solid(cli_run *run, const bvx_grid *g, const bvx_solid_report *report)
-{
-    const bvx_lattice *const l = &g->lattice;
-    cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
-    cli_say_grid(run, g, run->report.set, 1);
-    if (report->unbalanced_rows != 0)
-        cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
-                 " crossings were dropped",
-                 report->unbalanced_rows, (uint64_t)l->dims[1] * (uint64_t)l->dims[2], report->dropped);
-    if (run->report.set == 0) cli_warn(run, "no voxel is set: no centre lies inside the mesh");
+    if (based && o->base < job->box.low[up]) job->box.low[up] = o->base;
+    cli_box_view(&job->box, &job->fitted);
+    return CLI_DONE;
 }
 
 /* The lattice, and whether the output can hold it. */
-static int choose_lattice(cli_run *run, const bvx_mesh_view *view, const bvx_window *window)
+static int choose_lattice(cli_run *run, voxel_job *job)
 {
     bvx_lattice *const l = &run->report.lattice;
-    bvx_status const status = make_lattice(run, view, l);
+    int const result = choose_box(run, job);
+    bvx_status status;
+    if (result != CLI_DONE) return result;
+    status = cli_make_lattice(run, &job->fitted, l);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
     run->report.has_lattice = 1;
-    return cli_check_grid_format(run, run->options.output, l, window->size[0] != 0 ? window->size : l->dims);
+    return cli_check_grid_format(run, run->options.output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
 }
 
-static int voxelize_mesh(cli_run *run, const bvx_mesh *mesh, const bvx_window *window, bvx_grid *grid)
+/* ---- voxels ---- */
+
+static bvx_status make_surface(cli_run *run, voxel_job *job, bvx_surface_report *report)
 {
-    bvx_solid_report report;
+    bvx_surface_options s;
+    bvx_surface_options_init(&s, sizeof s);
+    s.mode = run->options.mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
+    s.window = job->window;
+    s.report = report;
+    return bvx_voxelize_surface(run->context, &job->view, &run->report.lattice, &s, &job->grid);
+}
+
+static bvx_status make_solid_voxels(cli_run *run, voxel_job *job, bvx_solid_report *report)
+{
     bvx_voxelize_options v;
-    bvx_mesh_view view;
+    bvx_voxelize_options_init(&v, sizeof v);
+    cli_take_fill(run, &v);
+    v.report = report;
+    v.window = job->window;
+    if (run->options.second != NULL) v.second = &job->second_view;
+    return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
+}
+
+static void say_surface(cli_run *run, const bvx_surface_report *r)
+{
+    cli_text *const t = &run->report.more;
+    const char *const mode = cli_mode_names[run->options.mode];
+    double const mean = r->triangles != 0 ? (double)r->parts / (double)r->triangles : 0.0;
+    cli_say(run, "  surface     %s\n", mode);
+    cli_text_add(t, ", \"surface\": {\"mode\": \"%s\"", mode);
+    if (run->options.mode == CLI_MODE_SAMPLED) {
+        cli_say(run, "  samples     %" PRIu64 " of %" PRIu64 " triangles, mean subdivision coefficient %.3f\n", r->samples, r->triangles, mean);
+        cli_json_count(t, "triangles", r->triangles);
+        cli_json_count(t, "samples", r->samples);
+        cli_json_value(t, "mean_subdivision", mean);
+    }
+    cli_text_add(t, "}");
+}
+
+static int voxelize_mesh(cli_run *run, voxel_job *job)
+{
+    int const solid = run->options.mode == CLI_MODE_SOLID;
+    bvx_solid_report report;
+    bvx_surface_report surface;
+    bvx_fill_comparison fills;
     bvx_status status;
     int result;
     memset(&report, 0, sizeof report);
-    bvx_mesh_view_of(mesh, &view);
-    bvx_voxelize_options_init(&v, sizeof v);
-    v.fill = run->options.fill;
-    v.report = &report;
-    v.window = *window;
+    memset(&surface, 0, sizeof surface);
     cli_stage_begin(run, "voxelize");
-    result = choose_lattice(run, &view, window);
+    result = choose_lattice(run, job);
     if (result != CLI_DONE) return result;
-    status = bvx_voxelize_solid(run->context, &view, &run->report.lattice, &v, grid);
+    status = solid ? make_solid_voxels(run, job, &report) : make_surface(run, job, &surface);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
-    bvx_grid_count(run->context, grid, &run->report.set);
+    bvx_grid_count(run->context, &job->grid, &run->report.set);
     run->report.has_set = 1;
-    result = cli_write_grid(run, grid);
-    if (result == CLI_DONE) say_solid(run, grid, &report);
-    return result;
+    result = run->options.compare_fills ? cli_compare_fills(run, &job->view, &run->report.lattice, &fills) : CLI_DONE;
+    if (result == CLI_DONE) result = cli_write_grid(run, &job->grid);
+    if (result != CLI_DONE) return result;
+    cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
+    cli_say_grid(run, &job->grid, run->report.set, 1);
+    if (solid) {
+        cli_say_solid(run, &job->grid.lattice, &report);
+        cli_report_solid(run, &job->grid.lattice, &report);
+        if (run->options.compare_fills) cli_tell_fills(run, &fills);
+        cli_warn_of_solid(run, &job->grid, &report);
+    } else {
+        say_surface(run, &surface);
+    }
+    if (run->report.set == 0)
+        cli_warn(run, solid ? "no voxel is set: no centre lies inside the mesh" : "no voxel is set: the surface meets none of the window's");
+    return CLI_DONE;
+}
+
+static int read_meshes(cli_run *run, voxel_job *job)
+{
+    const cli_options *const o = &run->options;
+    int status = cli_read_mesh(run, o->input[0], &job->mesh);
+    if (status == CLI_DONE && o->second != NULL) status = cli_read_mesh(run, o->second, &job->second);
+    if (status != CLI_DONE) return status;
+    bvx_mesh_view_of(&job->mesh, &job->view);
+    bvx_mesh_view_of(&job->second, &job->second_view);
+    return CLI_DONE;
 }
 
 static int run_voxelize(cli_run *run)
 {
-    bvx_mesh mesh = {0};
-    bvx_grid grid = {0};
-    bvx_window window;
-    int kind, status = check_voxelize_options(run, &window);
-    if (status == CLI_DONE) status = cli_input_kind(run, run->options.input[0], &kind);
-    if (status == CLI_DONE && kind == CLI_GRID)
-        return cli_usage(run, "%s is a grid already: 'bitvox convert' writes it in another format", cli_input_name(run->options.input[0]));
+    voxel_job job;
+    int status;
+    memset(&job, 0, sizeof job);
+    status = check_voxelize_options(run, &job.window);
     if (status == CLI_DONE) status = cli_open_grid_output(run, run->options.output);
-    if (status == CLI_DONE) status = cli_read_mesh(run, run->options.input[0], &mesh);
-    if (status == CLI_DONE) status = voxelize_mesh(run, &mesh, &window, &grid);
-    bvx_grid_free(run->context, &grid);
-    bvx_mesh_free(run->context, &mesh);
+    if (status == CLI_DONE) status = read_meshes(run, &job);
+    if (status == CLI_DONE) status = voxelize_mesh(run, &job);
+    bvx_grid_free(run->context, &job.grid);
+    bvx_mesh_free(run->context, &job.second);
+    bvx_mesh_free(run->context, &job.mesh);
     return status;
 }
 
 const cli_command cli_voxelize = {
-    "voxelize", CLI_VOXELIZE, 1, 1, "IN -o OUT [options]", "the solid of a mesh as a grid of voxels",
-    "Reads a mesh (.stl .obj .ply .off, also with .gz) and writes the voxels whose centres lie inside it:\n"
-    ".npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a side), .nrrd, .vti or .bvx. .npy and\n"
-    ".vox hold no lattice: it goes to OUT.json beside them.",
-    "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128", run_voxelize};
+    "voxelize", CLI_VOXELIZE, 1, 1, "IN -o OUT [options]", "the solid or the surface of a mesh as a grid of voxels",
+    "Reads a mesh (.stl .obj .ply .off, also with .gz) and writes the voxels whose centres lie inside it,\n"
+    "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a\n"
+    "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
+    "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.",
+    "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128\n"
+    "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin", run_voxelize};

@@ -116,14 +116,13 @@ static int make_solid(cli_run *run, cli_chain *c)
     if (status != BVX_OK) return cli_fail_status(run, status, path);
     run->report.has_lattice = 1;
     bvx_voxelize_options_init(&v, sizeof v);
-    v.fill = run->options.fill;
+    cli_take_fill(run, &v);
     v.report = &c->solid_report;
     status = bvx_voxelize_solid(run->context, &c->view, &run->report.lattice, &v, &c->solid);
     c->solid_seconds = cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, path);
     result = count_solid(run, c);
-    if (result == CLI_DONE && c->solid_report.unbalanced_rows != 0)
-        cli_warn(run, "%" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", c->solid_report.unbalanced_rows);
+    if (result == CLI_DONE) cli_warn_of_solid(run, &c->solid, &c->solid_report);
     return result;
 }
 

@@ -124,7 +124,8 @@ void cli_print_manual(void)
     putchar('\n');
     put_paragraph("With --json one JSON object goes to standard output, also after a failure: status (done, failed, "
                   "interrupted), command, lattice, set, stages, meshes, warnings, peak_bytes, and error with code and message; info adds "
-                  "grid, compare adds difference or distance, render adds pictures, and difference with --compare.");
+                  "grid, voxelize solid or surface and, with --compare-fills, fills, refine adds octree, compare adds difference or "
+                  "distance, render adds pictures, and difference with --compare.");
     put_section("FILES");
     put_item("FILE.npy.json, FILE.vox.json", "The side-car of a grid whose format keeps no lattice: origin (low corner), spacing, dims, "
              "window and the centre of the first voxel. It is written with the grid and looked for beside it; without one the "

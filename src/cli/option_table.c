@@ -23,28 +23,37 @@
 #define CHOICE(name, value, commands, field, names, base, help) \
     {name, value, CLI_CHOICE, commands, FIELD(field), 0, 0, 0, 0, names, base, help}
 #define SIZE(name, value, commands, field, high, help) {name, value, CLI_SIZE, commands, FIELD(field), 1, high, 2, 2, NULL, 0, help}
+#define NUMBER(name, value, commands, field, help) {name, value, CLI_NUMBER, commands, FIELD(field), 0, 0, 0, 0, NULL, 0, help}
+#define SET(name, value, commands, field, names, base, help) \
+    {name, value, CLI_SET, commands, FIELD(field), 0, 0, 0, 0, names, base, help}
 #define FILE_NAME(name, value, commands, field, help) {name, value, CLI_FILE, commands, FIELD(field), 0, 0, 0, 0, NULL, 0, help}
 
 /* In the order of their numbers. */
 static const char *const method_names[] = {"edge-ratio", "coverage", NULL};
-static const char *const fill_names[] = {"parity", "nonzero", NULL};
+const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "regions", "below", NULL};
+const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", NULL};
+static const char *const axis_names[] = {"x", "y", "z", NULL};
+static const char *const state_names[] = {"outside", "inside", "surface", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
 /* By BVX_FORMAT_...; those that are only written have no name here. */
 static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
 
 static const cli_argument arguments[] = {
-    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT, output, "where the result goes; the ending tells the format"),
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE, output,
+              "where the result goes; the ending tells the format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis [8 x the finest level, less where memory is short]"),
-    LIST("--resolution", "N|X,Y,Z", CLI_VOXELIZE, resolution, 1, LARGEST_SIDE, 1, 3,
+    LIST("--resolution", "N|X,Y,Z", CLI_VOXELIZE | CLI_FACES, resolution, 1, LARGEST_SIDE, 1, 3,
          "voxels along the longest axis, or along each axis [256]"),
-    BETWEEN("--spacing", "S", CLI_VOXELIZE, spacing, 0, 1e300, "edge of a voxel in the mesh's unit, in place of --resolution"),
-    TRIPLE("--origin", "X,Y,Z", CLI_VOXELIZE, origin, "low corner of voxel 0,0,0, with --spacing [the mesh's low corner]"),
+    BETWEEN("--spacing", "S", CLI_VOXELIZE | CLI_FACES, spacing, 0, 1e300, "edge of a voxel in the mesh's unit, in place of --resolution"),
+    TRIPLE("--origin", "X,Y,Z", CLI_VOXELIZE | CLI_FACES, origin, "low corner of voxel 0,0,0, with --spacing [the mesh's low corner]"),
     LIST("--window", "A,B,C,D,E,F", CLI_VOXELIZE, window, 0, LARGEST_SIDE, 6, 6,
          "only voxels A..D-1, B..E-1, C..F-1 of the lattice"),
     LIST("--window", "A,B,C,D,E,F", CLI_CONVERT, window, 0, LARGEST_SIDE, 6, 6,
          "only voxels A..D-1, B..E-1, C..F-1 of a grid's file"),
-    WHOLE("--padding", "N", CLI_VOXELIZE | CLI_LOD, padding, 0, 65536, "empty voxels added on every side [0]"),
+    LIST("--window", "A,B,C,D,E,F", CLI_REFINE, window, 0, LARGEST_SIDE, 6, 6,
+         "halve voxels to the last level only in A..D-1, B..E-1, C..F-1 of it"),
+    WHOLE("--padding", "N", CLI_VOXELIZE | CLI_LOD | CLI_FACES, padding, 0, 65536, "empty voxels added on every side [0]"),
     LIST("--levels", "A,B,C", CLI_LOD, levels, 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
          "samples along the longest axis of each level [64,32,16]"),
     LIST("--triangles", "A,B,C", CLI_LOD, triangles, 1, 4294967295.0, 1, CLI_MAX_LEVELS,
@@ -56,8 +65,34 @@ static const cli_argument arguments[] = {
     FROM_TO("--collapse", "F", CLI_LOD, collapse, 1, 64,
             "with --triangles: make up to F times as many, then collapse the\n"
             "cheapest edges; 2 to 4 comes much nearer to the mesh [off]"),
-    CHOICE("--fill", "RULE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER, fill, fill_names, BVX_FILL_PARITY,
-           "parity: nested shells are cavities; nonzero: overlapping and\ninverted shells are one solid [parity]"),
+    CHOICE("--mode", "MODE", CLI_VOXELIZE, mode, cli_mode_names, CLI_MODE_SOLID,
+           "solid: what lies inside; conservative: all voxels that the surface\n"
+           "touches; thin: those that keep a flood through faces out; sampled:\n"
+           "those of points less than a voxel apart [solid]"),
+    CHOICE("--fill", "RULE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, fill, cli_fill_names, BVX_FILL_PARITY,
+           "parity: nested shells are cavities; nonzero: overlapping and\ninverted shells are one solid; vote: the majority of three axes,\n"
+           "for meshes with holes; flood: what a flood from outside cannot\nreach, cavities included; regions: what the surface parts is inside\n"
+           "or outside as a whole; below: all under a terrain [parity]"),
+    WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, close_gaps, 0, 65535,
+          "with --fill flood: gaps of up to N voxels hold the flood [0]"),
+    FLAG("--add-shell", CLI_VOXELIZE, add_shell, "set all voxels that the surface touches too"),
+    FLAG("--check-edges", CLI_VOXELIZE, check_edges, "count edges with one triangle, and those between flipped ones"),
+    FLAG("--compare-fills", CLI_VOXELIZE, compare_fills, "a table of what each rule would set, and where they differ"),
+    NUMBER("--base", "H", CLI_VOXELIZE, base, "with --fill below: the height that columns stand on [the lattice's\nlow end]"),
+    FILE_NAME("--second", "MESH", CLI_VOXELIZE, second, "with --fill below: what lies between IN and this terrain; tells cut\nand fill"),
+    CHOICE("--up", "AXIS", CLI_VOXELIZE, up_axis, axis_names, 1, "with --fill below: x, y or z [z]"),
+    FLAG("--merge", CLI_FACES, merge, "faces of one plane become few rectangles"),
+    WHOLE("--base", "N", CLI_REFINE, base_voxels, 1, LARGEST_SIDE, "voxels along the longest axis before any is halved [8]"),
+    WHOLE("--levels", "L", CLI_REFINE, depth, 0, 25, "how many times voxels are halved [6]"),
+    WHOLE("--outer-levels", "L", CLI_REFINE, outer_levels, 0, 25, "with --window: how many times beyond it [until voxels are about half\nas large as the window]"),
+    BETWEEN("--tolerance", "T", CLI_REFINE, tolerance, 0, 1e300,
+            "a voxel whose triangles lie within T of one plane is not halved,\nin the mesh's unit [off]"),
+    SET("--states", "A,B", CLI_REFINE, states, state_names, BVX_STATE_OUTSIDE,
+        "which voxels are written: surface, inside, outside [surface,inside]"),
+    FLAG("--leaves", CLI_REFINE, leaves, "a mesh of boxes, one a leaf, in colours of their levels"),
+    {"--cut", "AXIS=VALUE", CLI_CUT, CLI_REFINE, FIELD(cut), 0, 0, 0, 0, NULL, 0,
+     "with --leaves: only those below a plane, once for each axis"},
+    WHOLE("--expand", "L", CLI_REFINE, expand, 0, 25, "the level that a grid is written of [the last]"),
     FLAG("--carry", CLI_LOD, carry, "give each level the colours and texture coordinates of the nearest\npoints on the mesh"),
     LONG("--samples", "N", CLI_LOD | CLI_COMPARE, samples, 0, 2147483647, "points on each mesh for the distances, 0: none [20000]"),
     LONG("--seed", "N", CLI_COMPARE, seed, 0, 4294967295.0, "another seed, other points [1]"),

@@ -1,48 +1,21 @@
 /* render_scene.c - what a picture shows is read, voxelized where asked for, and drawn. */
 #include "cli/render_scene.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { COMPARED_RESOLUTION = 256 };
 
 /* ---- voxels of meshes ---- */
 
-static void position_of(const bvx_mesh *mesh, uint32_t vertex, double p[3])
-{
-    for (int a = 0; a < 3; a++) {
-        size_t const at = (size_t)vertex * 3 + (size_t)a;
-        p[a] = mesh->position_type == BVX_F32 ? (double)((const float *)mesh->positions)[at] : ((const double *)mesh->positions)[at];
-    }
-}
-
-/* Bounds of the vertices that triangles use, into corners 2i and 2i + 1. */
-static void find_bounds(const bvx_mesh *mesh, double low[3], double high[3])
-{
-    double p[3];
-    for (uint64_t i = 0; i < mesh->triangle_count * 3; i++) {
-        position_of(mesh, mesh->triangles[i], p);
-        for (int a = 0; a < 3; a++) {
-            low[a] = i == 0 || p[a] < low[a] ? p[a] : low[a];
-            high[a] = i == 0 || p[a] > high[a] ? p[a] : high[a];
-        }
-    }
-}
-
-/* One lattice around one mesh or two: that of triangles between the corners of their bounds. */
+/* One lattice around one mesh or two. */
 static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int32_t resolution, bvx_lattice *lattice)
 {
-    static const uint32_t triangles[6] = {0, 1, 2, 1, 2, 3};
-    double corner[4][3];
+    cli_box box, other;
     bvx_mesh_view view;
-    for (int i = 0; i < 2; i++) find_bounds(&in[i < count ? i : 0].mesh, corner[2 * i], corner[2 * i + 1]);
-    memset(&view, 0, sizeof view);
-    view.positions = corner;
-    view.position_type = BVX_F64;
-    view.vertex_count = 4;
-    view.indices = triangles;
-    view.index_type = BVX_U32;
-    view.triangle_count = 2;
+    cli_mesh_box(&in[0].mesh, &box);
+    cli_mesh_box(&in[count - 1].mesh, &other);
+    cli_join_boxes(&box, &other);
+    cli_box_view(&box, &view);
     return bvx_lattice_fit(run->context, &view, resolution, lattice);
 }
 
@@ -50,13 +23,17 @@ static int voxelize_input(cli_run *run, const bvx_lattice *lattice, cli_input *i
 {
     bvx_voxelize_options v;
     bvx_mesh_view view;
+    bvx_solid_report report;
     bvx_status status;
+    memset(&report, 0, sizeof report);
     bvx_voxelize_options_init(&v, sizeof v);
-    v.fill = run->options.fill;
+    cli_take_fill(run, &v);
+    v.report = &report;
     bvx_mesh_view_of(&in->mesh, &view);
     status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
     bvx_mesh_free(run->context, &in->mesh);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    cli_warn_of_solid(run, &in->grid, &report);
     in->kind = CLI_GRID;
     in->placed = 1;
     return CLI_DONE;
@@ -129,7 +106,10 @@ static void box_of_scene(const cli_options *o, const cli_scene *s, double low[3]
     bvx_render_options_init(&r, sizeof r);
     take_cut(o, &r);
     if (s->input[0].kind == CLI_MESH) {
-        find_bounds(&s->input[0].mesh, low, high);
+        cli_box box;
+        cli_mesh_box(&s->input[0].mesh, &box);
+        memcpy(low, box.low, sizeof box.low);
+        memcpy(high, box.high, sizeof box.high);
     } else {
         const bvx_grid *const g = &s->input[0].grid;
         cli_grid_corner(g, 0.0, low);

@@ -44,6 +44,13 @@ static inline int32_t bvxi_limbs_sign(bvxi_limbs a)
     return (a.high >> 63) != 0 ? -1 : (a.low | a.high) != 0;
 }
 
+static inline double bvxi_limbs_double(bvxi_limbs a)
+{
+    bvxi_limbs const m = (a.high >> 63) != 0 ? bvxi_limbs_negate(a) : a;
+    double const v = (double)m.high * 18446744073709551616.0 + (double)m.low;
+    return (a.high >> 63) != 0 ? -v : v;
+}
+
 #if defined(__SIZEOF_INT128__) && !defined(BVX_NO_INT128)
 
 __extension__ typedef __int128 bvxi_wide;
@@ -61,6 +68,11 @@ static inline bvxi_wide bvxi_wide_add(bvxi_wide a, bvxi_wide b)
 static inline int32_t bvxi_wide_sign(bvxi_wide a)
 {
     return (a > 0) - (a < 0);
+}
+
+static inline double bvxi_wide_double(bvxi_wide a)
+{
+    return (double)a;
 }
 
 #else
@@ -82,6 +94,25 @@ static inline int32_t bvxi_wide_sign(bvxi_wide a)
     return bvxi_limbs_sign(a);
 }
 
+static inline double bvxi_wide_double(bvxi_wide a)
+{
+    return bvxi_limbs_double(a);
+}
+
 #endif
+
+/* floor(a / (b * c)) for b > 0 and c = 2^n, or -limit or limit when it lies beyond them; limit <= 2^40, c * limit <= 2^62. A
+ * double comes within a few units of it, exact steps decide: b c q = b (c q) is a product of two 64-bit numbers. */
+static inline int64_t bvxi_wide_floor_div_scaled(bvxi_wide a, int64_t b, int64_t c, int64_t limit)
+{
+    double const estimate = bvxi_wide_double(a) / ((double)b * (double)c);
+    int64_t q;
+    if (estimate > (double)limit) return limit;
+    if (estimate < -(double)limit) return -limit;
+    q = (int64_t)estimate;
+    while (bvxi_wide_sign(bvxi_wide_add(a, bvxi_wide_mul(-b, c * q))) < 0) q--;
+    while (bvxi_wide_sign(bvxi_wide_add(a, bvxi_wide_mul(-b, c * (q + 1)))) >= 0) q++;
+    return q;
+}
 
 #endif

@@ -36,22 +36,22 @@ static bvx_status check_extract_options(bvx_context *ctx, const char *function, 
     return BVX_OK;
 }
 
-/* Refuse f32 where its steps at the largest coordinate exceed 1/256 of a voxel. */
-static bvx_status check_precision(bvx_context *ctx, const bvxi_march *m)
+bvx_status bvxi_check_f32(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3])
 {
-    for (int32_t a = 0; a < 3 && m->options.position_type == BVX_F32; a++) {
-        double const low = m->origin[a] + m->grid->low[a] * m->spacing[a];
-        double const high = m->origin[a] + ((double)m->grid->low[a] + m->grid->size[a]) * m->spacing[a];
+    for (int32_t a = 0; a < 3; a++) {
+        double const spacing = grid->lattice.spacing[a];
+        double const low = origin[a] + grid->low[a] * spacing;
+        double const high = origin[a] + ((double)grid->low[a] + grid->size[a]) * spacing;
         double const most = (low < 0 ? -low : low) > (high < 0 ? -high : high) ? (low < 0 ? -low : low) : (high < 0 ? -high : high);
         double step = 1.0 / 9007199254740992.0 / 9007199254740992.0 / 8796093022208.0; /* 2^-149, the least step of f32 */
         if (!(most < 3.0e38))
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: coordinates up to %g do not fit f32; take f64 or a local frame",
-                             m->function, most);
+                             function, most);
         while (step * 16777216.0 <= most) step *= 2;
-        if (step > m->spacing[a] / 256.0)
+        if (step > spacing / 256.0)
             return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame", m->function,
-                             most, step, m->spacing[a]);
+                             "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame", function,
+                             most, step, spacing);
     }
     return BVX_OK;
 }
@@ -118,7 +118,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
         m->spacing[a] = grid->lattice.spacing[a];
         m->origin[a] = options->local_frame ? 0.0 : grid->lattice.origin[a];
     }
-    BVXI_TRY(check_precision(ctx, m));
+    if (options->position_type == BVX_F32) BVXI_TRY(bvxi_check_f32(ctx, m->function, grid, m->origin));
     choose_cells(m);
     m->slot_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);

@@ -42,6 +42,8 @@ typedef struct bvxi_march {
     bvx_mesh *mesh;
 } bvxi_march;
 
+/* Refuse f32 where its steps at the grid's largest coordinate exceed 1/256 of a voxel. */
+bvx_status bvxi_check_f32(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3]);
 /* Check, choose cells, count: after success the counts and slots stand. bvxi_march_close in any case. */
 bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid, const bvx_extract_options *options);
 /* Make or fill the mesh. */

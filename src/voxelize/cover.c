@@ -11,9 +11,10 @@ int32_t bvxi_cross_exact(const bvxi_triangle *t, int32_t fraction_bits, int32_t 
         if (t->p[i][0] < least) least = t->p[i][0];
         if (t->p[i][0] > most) most = t->p[i][0];
     }
-    /* The row meets the plane inside the triangle, so the crossing lies between its ends along x. */
+    /* The row meets the plane inside the triangle, so the crossing lies between its ends along x. A centre at the far end
+     * may still not be beyond. */
     low = bvxi_centres_below(least, fraction_bits);
-    high = bvxi_centres_below(most, fraction_bits);
+    high = bvxi_centres_below(t->beyond ? most : most + 1, fraction_bits);
     while (low < high) {
         int32_t const middle = low + (high - low) / 2;
         if (bvxi_beyond_plane(t, fraction_bits, middle, j, k)) high = middle;

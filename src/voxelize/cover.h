@@ -5,6 +5,9 @@
  * With E the edge function of an edge (dy, dz), positive inside, a zero is decided by the displacement: inside when
  * dz < 0, or dz = 0 and dy > 0. A centre on the plane is beyond it, since e_x outweighs the others and n_x > 0.
  *
+ * To walk along another axis the coordinates change places: (y, x, z) along y, (z, x, y) along z. The two across stay in the
+ * order of their displacements, so the edge rule stays; for a centre on the plane see bvxi_triangle_walk.
+ *
  * Budgets (lattice.h): differences < 2^31, edge functions and normals < 2^63 in int64_t; the plane at a centre < 2^96
  * in 128 bits.
  * Crossings are divided in doubles first: with t = |n_y| D_y + |n_z| D_z (D: extents; the numerator's terms are no
@@ -17,8 +20,9 @@
 #include "voxelize/snap.h"
 
 typedef struct bvxi_triangle {
-    int32_t p[3][3]; /* counter-clockwise in (y, z) */
+    int32_t p[3][3]; /* counter-clockwise in (y, z); for other axes read: in the two across */
     int64_t n[3];    /* (b-a) x (c-a), n[0] > 0 */
+    int32_t beyond;  /* 1: a centre on the plane counts as beyond it */
     int32_t leaving; /* 1: outwards is towards +x, so a walk along +x leaves the solid here */
 } bvxi_triangle;
 
@@ -29,7 +33,7 @@ static inline int bvxi_beyond_plane(const bvxi_triangle *t, int32_t fraction_bit
     bvxi_wide s = bvxi_wide_mul(t->n[0], i * step + half - t->p[0][0]);
     s = bvxi_wide_add(s, bvxi_wide_mul(t->n[1], j * step + half - t->p[0][1]));
     s = bvxi_wide_add(s, bvxi_wide_mul(t->n[2], k * step + half - t->p[0][2]));
-    return bvxi_wide_sign(s) >= 0;
+    return bvxi_wide_sign(s) + t->beyond > 0;
 }
 
 /* First centre of row (j, k) beyond the plane, by bisection between the triangle's own ends. */
@@ -57,6 +61,7 @@ static inline int bvxi_triangle_setup(const int32_t *a, const int32_t *b, const 
     int64_t ux, vx;
     if (area == 0) return 0;
     t->leaving = area > 0;
+    t->beyond = 1;
     memcpy(t->p[0], a, 12);
     memcpy(t->p[1], area > 0 ? b : c, 12);
     memcpy(t->p[2], area > 0 ? c : b, 12);
@@ -66,6 +71,36 @@ static inline int bvxi_triangle_setup(const int32_t *a, const int32_t *b, const 
     t->n[1] = area > 0 ? uz * vx - ux * vz : ux * vz - uz * vx;
     t->n[2] = area > 0 ? ux * vy - uy * vx : uy * vx - ux * vy;
     return 1;
+}
+
+/* The triangle's coordinates are those for a walk along an axis: is the displaced centre on its plane beyond it? The first
+ * component of the normal in the order x, y, z that is not 0 decides, as its displacement outweighs the others; the
+ * normal is positive along the walk. */
+static inline void bvxi_triangle_walk(bvxi_triangle *t, int32_t axis)
+{
+    if (axis >= 1 && t->n[1] != 0) t->beyond = t->n[1] > 0; /* x, across the walk */
+    else if (axis == 2 && t->n[2] != 0) t->beyond = t->n[2] > 0; /* y, across it too */
+    else t->beyond = 1;
+}
+
+/* Narrow [*first, *last] to the lines n (at y0 + n step, in the slice z) whose displaced centres lie inside all three edges. */
+static inline void bvxi_cover_span(const bvxi_triangle *t, int64_t y0, int64_t z, int64_t step, int64_t *first, int64_t *last)
+{
+    for (int32_t i = 0; i < 3; i++) {
+        const int32_t *const u = t->p[i], *const v = t->p[i == 2 ? 0 : i + 1];
+        int64_t const dy = (int64_t)v[1] - u[1], dz = (int64_t)v[2] - u[2];
+        int64_t const bias = dz < 0 || (dz == 0 && dy > 0) ? 0 : 1;
+        int64_t const e = dy * (z - u[2]) - dz * (y0 - u[1]) - bias; /* need e - n dz step >= 0 for line n */
+        if (dz > 0) {
+            int64_t const most = bvxi_floor_div(e, dz * step);
+            if (most < *last) *last = most;
+        } else if (dz < 0) {
+            int64_t const least = bvxi_ceil_div(-e, -dz * step);
+            if (least > *first) *first = least;
+        } else if (e < 0) {
+            *last = *first - 1;
+        }
+    }
 }
 
 /* What the double division needs of a triangle. */

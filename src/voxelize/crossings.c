@@ -108,6 +108,7 @@ BVXI_COLD static int cross_exactly(const bvxi_solid_job *job, const uint32_t *co
     const int32_t *const xyz = job->snapped.xyz;
     bvxi_triangle t;
     if (!bvxi_triangle_setup(xyz + 3 * (size_t)corner[0], xyz + 3 * (size_t)corner[1], xyz + 3 * (size_t)corner[2], &t)) return 0;
+    bvxi_triangle_walk(&t, job->snapped.axis);
     for (int32_t i = 0; i < 3; i++) {
         const int32_t *const u = t.p[i], *const v = t.p[i == 2 ? 0 : i + 1];
         int64_t const dy = (int64_t)v[1] - u[1], dz = (int64_t)v[2] - u[2];
@@ -229,7 +230,7 @@ BVXI_VECTOR_INLINE void cross_triangles(const bvxi_solid_job *job, bvxi_chunk *c
 /* The tile of a row. */
 BVXI_VECTOR_INLINE uint32_t tile_of_row(const bvxi_solid_job *job, uint32_t row)
 {
-    return (row >> 16 >> job->z_shift) * (uint32_t)job->tiles_y + ((row & 0xffff) >> job->y_shift);
+    return (row >> 16 >> job->tiles.z_shift) * (uint32_t)job->tiles.tiles_y + ((row & 0xffff) >> job->tiles.y_shift);
 }
 
 /* Counting sort by tile. */
@@ -238,12 +239,12 @@ BVXI_VECTOR_INLINE void sort_by_tile(const bvxi_solid_job *job, bvxi_chunk *chun
     uint32_t place[BVXI_SOLID_TILES], total = 0;
     memset(place, 0, sizeof place);
     for (uint32_t i = 0; i < b->found_count; i++) place[tile_of_row(job, b->found[i].row)]++;
-    for (int32_t t = 0; t < job->tiles; t++) {
+    for (int32_t t = 0; t < job->tiles.count; t++) {
         uint32_t const n = place[t];
         chunk->tile_end[t] = place[t] = total;
         total += n;
     }
-    chunk->tile_end[job->tiles] = total;
+    chunk->tile_end[job->tiles.count] = total;
     for (uint32_t i = 0; i < b->found_count; i++) chunk->sorted[place[tile_of_row(job, b->found[i].row)]++] = b->found[i];
 }
 

@@ -11,6 +11,7 @@ typedef struct snap_job {
     bvxi_snapped *out;
     bvxi_row_block block;
     int32_t fraction_bits, pieces, cpu;
+    int32_t swap; /* the coordinate that changes places with the first */
     uint8_t bad[256]; /* by piece */
 } snap_job;
 
@@ -188,4 +189,32 @@ bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const b
     job.fraction_bits = lattice->fraction_bits;
     job.pieces = bvxi_piece_count(s->vertex_count, SNAP_GRAIN);
     return bvxi_parallel(ctx, "solid", progress, progress, job.pieces, cell_piece, &job);
+}
+
+static void swap_piece(void *user, int32_t index, int32_t worker)
+{
+    const snap_job *const job = user;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(job->out->vertex_count, job->pieces, index, &begin, &end);
+    for (uint64_t v = begin; v < end; v++) {
+        int32_t *const q = job->out->xyz + 3 * v;
+        int32_t const first = q[0];
+        q[0] = q[job->swap];
+        q[job->swap] = first;
+    }
+}
+
+/* x y z and y x z differ in the first two, y x z and z x y in the first and third. */
+bvx_status bvxi_snap_turn(bvx_context *ctx, int32_t axis, double progress, bvxi_snapped *s)
+{
+    snap_job job = {0};
+    job.out = s;
+    job.pieces = bvxi_piece_count(s->vertex_count, SNAP_GRAIN);
+    while (s->axis != axis) {
+        job.swap = s->axis < axis ? s->axis + 1 : s->axis;
+        BVXI_TRY(bvxi_parallel(ctx, "solid", progress, progress, job.pieces, swap_piece, &job));
+        s->axis += s->axis < axis ? 1 : -1;
+    }
+    return BVX_OK;
 }

@@ -18,6 +18,7 @@ typedef struct bvxi_snapped {
     int32_t *xyz;   /* [Size: vertex_count * 3 + 1] [Units: lattice fixed point] */
     uint32_t *cell; /* [Size: vertex_count] */
     uint64_t vertex_count;
+    int32_t axis;   /* coordinates stand in the order x y z (0), y x z (1) or z x y (2): first the axis that rows run along */
 } bvxi_snapped;
 
 /* Snap all vertices. A vertex that cannot be snapped is an error when a triangle uses it. Scratch: 16 bytes a vertex. */
@@ -26,6 +27,8 @@ bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view
 /* (Re)compute the cells for a block. */
 bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block, double progress,
                            bvxi_snapped *s);
+/* Bring the coordinates into the order for rows along an axis; cells are out of date then. */
+bvx_status bvxi_snap_turn(bvx_context *ctx, int32_t axis, double progress, bvxi_snapped *s);
 void bvxi_snap_free(bvx_context *ctx, bvxi_snapped *s);
 
 #endif

@@ -9,6 +9,7 @@
 #include "bits/bits.h"
 #include "grid/grid.h"
 #include "voxelize/cover.h"
+#include "voxelize/tiles.h"
 
 enum { BVXI_SOLID_TILES = 32, BVXI_SOLID_CHUNKS = 64, BVXI_SOLID_BUFFER = 12288, BVXI_SOLID_LARGE = 1024 };
 
@@ -28,7 +29,10 @@ typedef struct bvxi_chunk {
     uint32_t tile_end[BVXI_SOLID_TILES + 1]; /* tile t has sorted[tile_end[t] .. tile_end[t + 1]) */
 } bvxi_chunk;
 
+/* A mesh being filled. Rows run along axis; for axes other than 0 grid is a turned one (grid/turn.h), and where this folder
+ * says x, y, z the axis and the two across it are meant. */
 typedef struct bvxi_solid_job {
+    const char *function;    /* for messages */
     const bvx_mesh_view *view;
     const bvx_grid *grid;    /* words are written */
     bvxi_snapped snapped;
@@ -39,9 +43,11 @@ typedef struct bvxi_solid_job {
     int32_t chunks;
     struct bvxi_cross_batch *batch; /* one a worker */
 
-    /* tiles of rows: 2^y_shift rows by 2^z_shift slices */
-    int32_t y_shift, z_shift, tiles_y, tiles_z, tiles;
+    bvxi_tiles tiles;
 
+    int32_t *highest;        /* by row of the window: the last crossing's index, or INT32_MIN (BVXI_HIGHEST) */
+    uint8_t *odd_rows;       /* by row of the window, where not NULL: 1 when it does not balance (parity) */
+    int32_t keep_odd;        /* 1: such rows stay as they are, filled behind their last crossing (parity) */
     uint8_t *beyond;         /* by row: parity of the crossings behind the window's last voxel */
     uint64_t crossings[BVXI_SOLID_TILES], unbalanced[BVXI_SOLID_TILES], dropped[BVXI_SOLID_TILES];
 
@@ -52,7 +58,7 @@ typedef struct bvxi_solid_job {
 } bvxi_solid_job;
 
 /* What the tiles do with a crossing: job->mode. */
-enum { BVXI_TOGGLE = 0, BVXI_COUNT_LIST = 1, BVXI_FILL_LIST = 2 };
+enum { BVXI_TOGGLE = 0, BVXI_COUNT_LIST = 1, BVXI_FILL_LIST = 2, BVXI_HIGHEST = 3 };
 
 /* A worker's batch of pairs of a triangle and a centre in its box (crossings.c). */
 enum { BVXI_CROSS_BATCH = 512, BVXI_CROSS_FEW = 8, BVXI_CROSS_MANY = 2048 };
@@ -75,17 +81,18 @@ typedef struct bvxi_cross_batch {
     bvxi_crossing found[BVXI_SOLID_BUFFER]; /* of the chunk, in the order found */
 } bvxi_cross_batch;
 
-/* Rows of a block: [j0, j1) x [k0, k1). */
-typedef struct bvxi_rows {
-    int32_t j0, j1, k0, k1;
-} bvxi_rows;
+/* Number of row (j, k) of the block among those of the grid. */
+static inline uint64_t bvxi_window_row(const bvxi_solid_job *job, int32_t j, int32_t k)
+{
+    const bvx_grid *const g = job->grid;
+    uint64_t const y = (uint64_t)(job->block.y0 - g->low[1] + j), z = (uint64_t)(job->block.z0 - g->low[2] + k);
+    return z * (uint64_t)g->size[1] + y;
+}
 
 /* Words of row (j, k) of the block inside the grid. */
 static inline uint64_t *bvxi_block_words(const bvxi_solid_job *job, int32_t j, int32_t k)
 {
-    const bvx_grid *const g = job->grid;
-    uint64_t const y = (uint64_t)(job->block.y0 - g->low[1] + j), z = (uint64_t)(job->block.z0 - g->low[2] + k);
-    return g->words + (z * (uint64_t)g->size[1] + y) * (uint64_t)g->words_per_row;
+    return job->grid->words + bvxi_window_row(job, j, k) * (uint64_t)job->grid->words_per_row;
 }
 
 static inline uint64_t bvxi_block_row(const bvxi_solid_job *job, int32_t j, int32_t k)
@@ -99,18 +106,14 @@ static inline double bvxi_solid_progress(const bvxi_solid_job *job, double fract
     return job->progress_from + job->progress_share * fraction;
 }
 
-/* The rows of a tile, within the block. */
-static inline bvxi_rows bvxi_tile_rows(const bvxi_solid_job *job, int32_t tile)
-{
-    int32_t const ty = tile % job->tiles_y, tz = tile / job->tiles_y;
-    bvxi_rows r;
-    r.j0 = ty << job->y_shift;
-    r.j1 = job->block.ny - r.j0 < 1 << job->y_shift ? job->block.ny : r.j0 + (1 << job->y_shift);
-    r.k0 = tz << job->z_shift;
-    r.k1 = job->block.nz - r.k0 < 1 << job->z_shift ? job->block.nz : r.k0 + (1 << job->z_shift);
-    return r;
-}
-
+/* solid.c: make a mesh ready (snapped), fill the rows of a window along an axis, let go. bvxi_solid_fill writes grid's words by
+ * the rule parity or nonzero; by below it leaves them and writes job->highest, which the caller has set to INT32_MIN.
+ * Counts are added to the report. */
+bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                           bvxi_solid_job *job);
+bvx_status bvxi_solid_fill(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *grid, int32_t axis, int32_t fill, double from,
+                           double to, bvx_solid_report *report);
+void bvxi_solid_close(bvx_context *ctx, bvxi_solid_job *job);
 /* crossings.c: a chunk's share of a round. */
 void bvxi_find_crossings(void *job, int32_t chunk, int32_t worker);
 /* spans.c: all crossings of a triangle with rows of the block, handed over one by one. */

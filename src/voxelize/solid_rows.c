@@ -99,7 +99,7 @@ static uint64_t fill_nonzero(const bvxi_solid_job *job, uint64_t *row, int32_t *
 static void solve_rows(void *user, int32_t tile, int32_t worker)
 {
     bvxi_solid_job *const job = user;
-    bvxi_rows const r = bvxi_tile_rows(job, tile);
+    bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
     size_t const row_bytes = (size_t)job->grid->words_per_row * 8;
     uint64_t dropped = 0, unbalanced = 0, crossings = 0;
     (void)worker;
@@ -145,7 +145,7 @@ bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, total * 4, "the crossings", &job->crossing);
     }
     if (status == BVX_OK) status = bvxi_solid_rounds(ctx, job, BVXI_FILL_LIST, 0.7, 0.9);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.9), bvxi_solid_progress(job, 1.0), job->tiles, solve_rows, job);
+    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.9), bvxi_solid_progress(job, 1.0), job->tiles.count, solve_rows, job);
     bvxi_free(ctx, job->crossing, total * 4);
     bvxi_free(ctx, job->row_end, rows * 8);
     return status;

@@ -36,24 +36,6 @@ static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows as
     return r->j0 < r->j1 && r->k0 < r->k1;
 }
 
-/* Rows first..last of a slice (counted from y0) whose displaced centres lie inside all three edges. */
-static void slice_span(const bvxi_triangle *t, int64_t y0, int64_t z, int64_t step, int64_t *first, int64_t *last)
-{
-    for (int32_t i = 0; i < 3; i++) {
-        const int32_t *const u = t->p[i], *const v = t->p[i == 2 ? 0 : i + 1];
-        int64_t const dy = (int64_t)v[1] - u[1], dz = (int64_t)v[2] - u[2];
-        int64_t const bias = dz < 0 || (dz == 0 && dy > 0) ? 0 : 1;
-        int64_t const e = dy * (z - u[2]) - dz * (y0 - u[1]) - bias; /* need e - n dz step >= 0 for row n */
-        if (dz > 0) {
-            int64_t const most = bvxi_floor_div(e, dz * step);
-            if (most < *last) *last = most;
-        } else if (dz < 0) {
-            int64_t const least = bvxi_ceil_div(-e, -dz * step);
-            if (least > *first) *first = least;
-        } /* an edge along the slices bounds the box, which has left out what lies beyond it */
-    }
-}
-
 void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triangle, bvxi_crossing_fn *take, void *sink)
 {
     const int32_t *const xyz = job->snapped.xyz, *p[3];
@@ -68,13 +50,14 @@ void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triang
     if (!box_rows(job->snapped.cell, corner, rows, &r)) return;
     for (int32_t i = 0; i < 3; i++) p[i] = xyz + 3 * (size_t)corner[i];
     if (!bvxi_triangle_setup(p[0], p[1], p[2], &t)) return;
+    bvxi_triangle_walk(&t, job->snapped.axis);
     for (int32_t a = 1; a < 3; a++)
         extent[a] = (double)((int64_t)most_of_three(p[0][a], p[1][a], p[2][a]) - least_of_three(p[0][a], p[1][a], p[2][a]));
     bvxi_divider_setup(&t, f, extent[1], extent[2], &d);
     for (int32_t k = r.k0; k < r.k1; k++) {
         int64_t const y0 = (job->block.y0 + r.j0) * step + half, z = (job->block.z0 + k) * step + half;
         int64_t first = 0, last = (int64_t)r.j1 - r.j0 - 1;
-        slice_span(&t, y0, z, step, &first, &last);
+        bvxi_cover_span(&t, y0, z, step, &first, &last);
         for (int64_t n = first; n <= last; n++) {
             int32_t const j = r.j0 + (int32_t)n;
             int32_t const i = bvxi_cross(&t, &d, f, (double)(y0 + n * step), (double)z, job->block.y0 + j, job->block.z0 + k);

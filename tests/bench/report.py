@@ -213,6 +213,11 @@ if os.path.exists(path("files.md")):
     say("", "## Files", "", "From bytes in memory to arrays, one thread. STL is welded by us, not by the raw readers.", "")
     with open(path("files.md")) as file:
         say(file.read().rstrip())
+if os.path.exists(path("voxels.md")):
+    say("", "## Surfaces, fills, refinement", "", "One thread. Targets: conservative within 2.5 times the solid at 512 on the dragon; refinement 8 by 6"
+        " within 3 times the uniform surface and flood, 71.5 % fewer voxels.", "")
+    with open(path("voxels.md")) as file:
+        say(file.read().rstrip())
 if os.path.exists(path("paper.md")):
     say("", "## The paper's tables", "", "The paper's: one thread of an i7-4720HQ at 2.6 GHz, other copies of the models.")
     say("Aphrodite is not to be had; Nefertiti stands for it and for the head. Totals and rates: the edge ratio, the paper's own.")

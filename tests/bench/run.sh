@@ -64,6 +64,9 @@ rm -f "$out/files.md"
 "$BENCHES/bench_files" "$mesh" "$out" 9 >"$out/files.jsonl" && cat "$out/files.jsonl"
 if [ "$BENCH_PEERS" != 0 ] && [ -n "${python:-}" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$out/files.md"; fi
 
+echo "== surfaces, fills, refinement"
+"$BENCHES/bench_voxels" "$MESHES" 5 >"$out/voxels.md" && cat "$out/voxels.md"
+
 echo "== the paper's tables"
 "$BENCHES/bench_paper" "$MESHES" >"$out/paper.md" && echo "in $out/paper.md"
 load >>"$out/load"

@@ -109,7 +109,7 @@ END
     complete_as() { bash complete.sh "$@"; } # WORDS...: what may stand in place of the last one
     bash -c 'source ./completion; complete -p bitvox' >registered 2>&1
     holds 'completion: bash registers it and says nothing' test "$(cat registered)" = 'complete -o default -F _bitvox bitvox'
-    holds 'completion: commands' test "$(complete_as re)" = render
+    holds 'completion: commands' test "$(complete_as ren)" = render
     holds 'completion: all commands and help' test "$(complete_as '' | wc -w)" = $(($(echo "$commands" | wc -l) + 3))
     holds 'completion: options' test "$(complete_as lod x.ply --res)" = --resolution
     holds 'completion: options of this command alone' test "$(complete_as info --le)" = ''

@@ -1,0 +1,134 @@
+/* cmd_faces.c - bitvox faces: the voxels themselves as a mesh, for programs that show meshes alone. */
+#include "cli/cli.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+/* Options that speak of voxelizing. */
+static int refuse_for_grid(cli_run *run)
+{
+    static const char *const option[] = {"--resolution", "--spacing", "--origin", "--padding", "--fill", "--close-gaps"};
+    for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
+        if (cli_given(run, option[i]))
+            return cli_usage(run, "%s is for meshes; %s is a grid", option[i], cli_input_name(run->options.input[0]));
+    return CLI_DONE;
+}
+
+static int check_faces_options(cli_run *run)
+{
+    const char *const out = run->options.output;
+    int kind, status = cli_input_kind(run, run->options.input[0], &kind);
+    if (status != CLI_DONE) return status;
+    if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH || cli_is_packed(out))
+        return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", out);
+    if (kind == CLI_GRID) return refuse_for_grid(run);
+    status = cli_check_lattice(run);
+    return status == CLI_DONE ? cli_check_fill(run) : status;
+}
+
+/* A mesh becomes its solid. */
+static int fill_input(cli_run *run, cli_input *in)
+{
+    bvx_solid_report report;
+    bvx_voxelize_options v;
+    bvx_mesh_view view;
+    bvx_lattice lattice;
+    bvx_status status;
+    memset(&report, 0, sizeof report);
+    bvx_voxelize_options_init(&v, sizeof v);
+    cli_take_fill(run, &v);
+    v.report = &report;
+    bvx_mesh_view_of(&in->mesh, &view);
+    cli_stage_begin(run, "voxelize");
+    status = cli_make_lattice(run, &view, &lattice);
+    if (status == BVX_OK) status = bvx_voxelize_solid(run->context, &view, &lattice, &v, &in->grid);
+    cli_stage_end(run);
+    bvx_mesh_free(run->context, &in->mesh);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    cli_warn_of_solid(run, &in->grid, &report);
+    return CLI_DONE;
+}
+
+static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
+{
+    bvx_faces_options f;
+    bvx_status status;
+    bvx_faces_options_init(&f, sizeof f);
+    f.merged = run->options.merge;
+    status = bvx_extract_faces(run->context, grid, &f, mesh);
+    if (status != BVX_ERR_RANGE) return status;
+    f.position_type = BVX_F64; /* far from the origin */
+    return bvx_extract_faces(run->context, grid, &f, mesh);
+}
+
+static int make_faces(cli_run *run, const cli_input *in, bvx_mesh *mesh)
+{
+    cli_mesh_entry *const entry = &run->report.mesh[0];
+    bvx_mesh_view view;
+    bvx_status status;
+    bvx_grid_count(run->context, &in->grid, &run->report.set);
+    run->report.lattice = in->grid.lattice;
+    run->report.has_lattice = run->report.has_set = 1;
+    if (run->report.set == 0) return cli_fail(run, "%s: no voxel is set; there are no faces", cli_input_name(in->path));
+    cli_stage_begin(run, "faces");
+    status = extract(run, &in->grid, mesh);
+    entry->milliseconds = cli_stage_end(run) * 1e3;
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    cli_stage_begin(run, "check");
+    bvx_mesh_view_of(mesh, &view);
+    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, run->options.output);
+    entry->path = run->options.output;
+    run->report.meshes = 1;
+    return CLI_DONE;
+}
+
+static int write_faces(cli_run *run, const bvx_mesh *mesh)
+{
+    const char *const out = run->options.output;
+    bvx_buffer file = {0};
+    bvx_status status;
+    int result;
+    cli_stage_begin(run, "write");
+    status = bvx_write_mesh(run->context, mesh, bvx_format_of_name(out), &file);
+    result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, out);
+    if (result == CLI_DONE) result = cli_keep_outputs(run);
+    cli_stage_end(run);
+    bvx_buffer_free(run->context, &file);
+    return result;
+}
+
+static void say_faces(cli_run *run, const cli_input *in)
+{
+    const bvx_certificate *const c = &run->report.mesh[0].certificate;
+    cli_say(run, "%s -> %s\n", cli_input_name(in->path), run->options.output);
+    cli_say(run, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set, run->options.merge ? "rectangles" : "faces     ",
+            c->triangles / 2);
+    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n  volume      %.9g\n", c->triangles, c->vertices, c->volume);
+}
+
+static int run_faces(cli_run *run)
+{
+    cli_input in;
+    bvx_mesh mesh = {0};
+    int status = check_faces_options(run);
+    memset(&in, 0, sizeof in);
+    if (status == CLI_DONE) status = cli_open_output(run, run->options.output);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options.input[0], &in);
+    if (status == CLI_DONE && in.kind == CLI_MESH) status = fill_input(run, &in);
+    if (status == CLI_DONE) status = make_faces(run, &in, &mesh);
+    if (status == CLI_DONE) status = write_faces(run, &mesh);
+    if (status == CLI_DONE) say_faces(run, &in);
+    bvx_mesh_free(run->context, &mesh);
+    cli_free_input(run, &in);
+    return status;
+}
+
+const cli_command cli_faces = {
+    "faces", CLI_FACES, 1, 1, "IN -o OUT [options]", "the sides of voxels as a mesh",
+    "Reads a grid (.npy .binvox .vox .nrrd .vti .bvx), or a mesh (.stl .obj .ply .off, also with .gz) that\n"
+    "it voxelizes first, and writes each side between a set voxel and an empty one as two triangles (.ply\n"
+    ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother ones.\n"
+    "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",
+    "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge", run_faces};

@@ -1,0 +1,113 @@
+/* solids.c - the rules that fill a mesh: their options, and what is told of a solid. */
+#include "cli/cli.h"
+
+#include <inttypes.h>
+
+int cli_check_fill(cli_run *run)
+{
+    static const char *const below_alone[] = {"--base", "--second", "--up"};
+    const cli_options *const o = &run->options;
+    int const below = o->fill == BVX_FILL_BELOW, voxelize = run->command->bit == CLI_VOXELIZE;
+    for (size_t i = 0; i < sizeof below_alone / sizeof below_alone[0] && voxelize && !below; i++)
+        if (cli_given(run, below_alone[i])) return cli_usage(run, "%s needs --fill below", below_alone[i]);
+    if (cli_given(run, "--close-gaps") && o->fill != BVX_FILL_FLOOD && !o->compare_fills)
+        return cli_usage(run, voxelize ? "--close-gaps needs --fill flood, or --compare-fills" : "--close-gaps needs --fill flood");
+    if (below && o->add_shell) return cli_usage(run, "--add-shell has no use with --fill below");
+    if (below && o->compare_fills) return cli_usage(run, "--compare-fills has no use with --fill below: the other rules are for closed shapes");
+    if ((o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS) && o->window.count != 0)
+        return cli_usage(run, "--fill %s needs the whole lattice, no --window", cli_fill_names[o->fill]);
+    if (o->compare_fills && o->window.count != 0) return cli_usage(run, "--compare-fills needs the whole lattice, no --window");
+    return CLI_DONE;
+}
+
+void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
+{
+    const cli_options *const o = &run->options;
+    v->fill = o->fill;
+    v->close_gaps = o->fill == BVX_FILL_FLOOD ? o->close_gaps : 0;
+    v->add_shell = o->add_shell;
+    v->check_edges = o->check_edges;
+    if (o->up_axis != 0) v->axis = o->up_axis - 1;
+    if (cli_given(run, "--base")) v->base = o->base;
+}
+
+/* Rows of centres that a rule looks along. */
+static uint64_t rows_of(const bvx_grid *g, int32_t fill)
+{
+    uint64_t const x = (uint64_t)g->size[0], y = (uint64_t)g->size[1], z = (uint64_t)g->size[2];
+    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO ? y * z : y * z + x * z + x * y;
+}
+
+void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *r)
+{
+    uint64_t const rows = rows_of(grid, run->options.fill);
+    if (r->unbalanced_rows != 0 && r->dropped != 0)
+        cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
+                 " crossings were dropped", r->unbalanced_rows, rows, r->dropped);
+    else if (r->unbalanced_rows != 0)
+        cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", r->unbalanced_rows, rows);
+    if (r->leaks != 0)
+        cli_warn(run, "the flood came through a hole to %" PRIu64 " voxels that the three axes have inside; a larger --close-gaps may hold it, "
+                 "--fill vote or regions does without", r->leaks);
+    if (r->mixed_regions != 0)
+        cli_warn(run, "%" PRIu64 " of %" PRIu64 " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64
+                 " voxels kept its own vote", r->mixed_regions, r->regions, r->mixed_voxels);
+}
+
+static double voxel_volume(const bvx_lattice *l)
+{
+    return l->spacing[0] * l->spacing[1] * l->spacing[2];
+}
+
+void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *r)
+{
+    const cli_options *const o = &run->options;
+    double const voxel = voxel_volume(lattice);
+    cli_say(run, "  fill        %s\n", cli_fill_names[o->fill]);
+    if (r->surface_voxels != 0) cli_say(run, "  surface     %" PRIu64 " voxels", r->surface_voxels);
+    if (r->closed_voxels != 0) cli_say(run, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
+    if (r->surface_voxels != 0) cli_say(run, "\n");
+    if (o->fill == BVX_FILL_REGIONS) cli_say(run, "  regions     %" PRIu64 "\n", r->regions);
+    if (o->fill == BVX_FILL_BELOW) {
+        cli_say(run, "  columns     %" PRIu64 "%s\n", r->columns, o->second != NULL ? " where both terrains are" : " under the surface");
+        if (o->second != NULL)
+            cli_say(run, "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64 " voxels, volume %.9g\n", r->cut_voxels,
+                    (double)r->cut_voxels * voxel, r->fill_voxels, (double)r->fill_voxels * voxel);
+    }
+    if (o->check_edges)
+        cli_say(run, "  edges       %" PRIu64 " with one triangle, %" PRIu64 " between flipped ones\n", r->boundary_edges, r->flipped_edges);
+}
+
+void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *r)
+{
+    const cli_options *const o = &run->options;
+    cli_text *const t = &run->report.more;
+    double const voxel = voxel_volume(lattice);
+    cli_text_add(t, ", \"solid\": {\"fill\": \"%s\"", cli_fill_names[o->fill]);
+    cli_json_count(t, "triangles_used", r->triangles_used);
+    cli_json_count(t, "crossings", r->crossings);
+    cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
+    cli_json_count(t, "dropped", r->dropped);
+    if (o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS || o->add_shell) cli_json_count(t, "surface_voxels", r->surface_voxels);
+    if (o->fill == BVX_FILL_FLOOD) {
+        cli_json_count(t, "closed_voxels", r->closed_voxels);
+        cli_json_count(t, "leaks", r->leaks);
+    }
+    if (o->fill == BVX_FILL_REGIONS) {
+        cli_json_count(t, "regions", r->regions);
+        cli_json_count(t, "mixed_regions", r->mixed_regions);
+        cli_json_count(t, "mixed_voxels", r->mixed_voxels);
+    }
+    if (o->fill == BVX_FILL_BELOW) cli_json_count(t, "columns", r->columns);
+    if (o->second != NULL) {
+        cli_json_count(t, "cut_voxels", r->cut_voxels);
+        cli_json_count(t, "fill_voxels", r->fill_voxels);
+        cli_json_value(t, "cut_volume", (double)r->cut_voxels * voxel);
+        cli_json_value(t, "fill_volume", (double)r->fill_voxels * voxel);
+    }
+    if (o->check_edges) {
+        cli_json_count(t, "boundary_edges", r->boundary_edges);
+        cli_json_count(t, "flipped_edges", r->flipped_edges);
+    }
+    cli_text_add(t, "}");
+}

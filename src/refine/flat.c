@@ -1,0 +1,62 @@
+/* flat.c - is the surface in a voxel flat within a tolerance?
+ *
+ * The plane is that of the list's largest triangle (of equals the one with the least number); all corners must lie within the
+ * tolerance of it, so all of their points do. Triangles without area anywhere: flat when all corners lie within the tolerance
+ * of the first. Doubles, in one stated order: the same on every machine. */
+#include "refine/refine.h"
+
+static void flat_corners(const bvxi_refine_job *job, uint32_t triangle, const int32_t origin[3], double p[3][3])
+{
+    uint32_t corner[3];
+    bvxi_view_triangle(job->view, triangle, corner);
+    for (int c = 0; c < 3; c++)
+        for (int a = 0; a < 3; a++) p[c][a] = (double)(job->snapped.xyz[3 * (size_t)corner[c] + (size_t)a] - origin[a]) * job->step[a];
+}
+
+/* Twice the area's square; *n becomes the normal. */
+static double flat_normal(double p[3][3], double n[3])
+{
+    double u[3], v[3];
+    for (int a = 0; a < 3; a++) {
+        u[a] = p[1][a] - p[0][a];
+        v[a] = p[2][a] - p[0][a];
+    }
+    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+    return n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+}
+
+/* Within the tolerance of the plane through 0 with normal n, or without one, of 0. */
+static int flat_point(const double p[3], const double n[3], double length2, double tolerance)
+{
+    double const d = p[0] * n[0] + p[1] * n[1] + p[2] * n[2];
+    if (length2 > 0) return d * d <= tolerance * tolerance * length2;
+    return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] <= tolerance * tolerance;
+}
+
+int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const uint8_t *hits, uint32_t bit, uint64_t count)
+{
+    double p[3][3], n[3] = {0, 0, 0}, trial[3], length2 = -1;
+    int32_t origin[3] = {0, 0, 0};
+    uint32_t best = UINT32_MAX;
+    for (uint64_t i = 0; i < count; i++) {
+        uint32_t corner[3];
+        int32_t first[3];
+        if (hits != NULL && (hits[i] >> bit & 1) == 0) continue;
+        bvxi_view_triangle(job->view, list[i], corner);
+        memcpy(first, job->snapped.xyz + 3 * (size_t)corner[0], sizeof first);
+        flat_corners(job, list[i], first, p);
+        double const l = flat_normal(p, trial);
+        if (l < length2 || (l == length2 && list[i] > best)) continue;
+        length2 = l;
+        best = list[i];
+        memcpy(n, trial, sizeof n);
+        memcpy(origin, first, sizeof origin);
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        if (hits != NULL && (hits[i] >> bit & 1) == 0) continue;
+        flat_corners(job, list[i], origin, p);
+        for (int c = 0; c < 3; c++)
+            if (!flat_point(p[c], n, length2, job->tolerance)) return 0;
+    }
+    return 1;
+}

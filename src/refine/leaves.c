@@ -1,0 +1,125 @@
+/* leaves.c - the leaves of an octree as a list: bvx_octree_leaves.
+ *
+ * Pieces of the base are walked twice: once to count, once, knowing where each piece's leaves go, to write them.
+ * Guarantee: the order follows from the tree alone. */
+#include "refine/octree.h"
+
+enum { LEAF_PIECES = 256 };
+
+typedef struct leaves_job {
+    const bvx_octree *tree;
+    bvx_octree_leaf *leaves; /* NULL: count */
+    int32_t states, pieces;
+    uint64_t place[LEAF_PIECES]; /* by piece: how many, then where they go */
+} leaves_job;
+
+/* An octet on the way down. */
+typedef struct leaf_step {
+    uint64_t octet, below; /* below: octet of the next child that is split */
+    uint32_t p;            /* next child */
+    int32_t v[3];
+} leaf_step;
+
+static inline void give_leaf(const leaves_job *job, uint64_t *place, const int32_t v[3], int32_t level, int32_t state)
+{
+    if ((job->states & state) == 0) return;
+    if (job->leaves != NULL) {
+        bvx_octree_leaf *const leaf = &job->leaves[*place];
+        memset(leaf, 0, sizeof *leaf);
+        memcpy(leaf->ijk, v, sizeof leaf->ijk);
+        leaf->level = (uint8_t)level;
+        leaf->state = (uint8_t)state;
+    }
+    ++*place;
+}
+
+static void enter_octet(const leaves_job *job, int32_t level, uint64_t octet, const int32_t v[3], leaf_step *step)
+{
+    step->octet = octet;
+    step->below = job->tree->octets[level].split != NULL ? bvxi_octets_rank(&job->tree->octets[level], 8 * octet) : 0;
+    step->p = 0;
+    memcpy(step->v, v, sizeof step->v);
+}
+
+static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t v[3], uint64_t *place)
+{
+    leaf_step step[BVXI_OCTREE_LEVELS];
+    int32_t level = 0;
+    enter_octet(job, 0, octet, v, &step[0]);
+    while (level >= 0) {
+        leaf_step *const s = &step[level];
+        if (s->p == 8) {
+            level--;
+            continue;
+        }
+        uint32_t const p = s->p++;
+        int32_t const state = bvxi_octets_state(&job->tree->octets[level], 8 * s->octet + p);
+        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1), 2 * s->v[2] + (int32_t)(p >> 2)};
+        if (!bvxi_octets_is_split(&job->tree->octets[level], 8 * s->octet + p)) {
+            give_leaf(job, place, child, level + 1, state);
+            continue;
+        }
+        level++;
+        enter_octet(job, level, s->below++, child, &step[level]);
+    }
+}
+
+static void leaves_of_piece(void *user, int32_t index, int32_t worker)
+{
+    leaves_job *const job = user;
+    const bvx_octree *const tree = job->tree;
+    uint64_t const nx = (uint64_t)tree->base[0], ny = (uint64_t)tree->base[1];
+    uint64_t begin, end, place = job->leaves != NULL ? job->place[index] : 0;
+    (void)worker;
+    bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        int32_t const v[3] = {(int32_t)(i % nx), (int32_t)(i / nx % ny), (int32_t)(i / nx / ny)};
+        uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);
+        int32_t const state = bvxi_octets_state(&tree->root, bit);
+        if (bvxi_octets_is_split(&tree->root, bit)) leaves_of_tree(job, bvxi_octets_rank(&tree->root, bit), v, &place);
+        else give_leaf(job, &place, v, 0, state);
+    }
+    if (job->leaves == NULL) job->place[index] = place;
+}
+
+static uint64_t leaf_places(leaves_job *job)
+{
+    uint64_t total = 0;
+    for (int32_t i = 0; i < job->pieces; i++) {
+        uint64_t const n = job->place[i];
+        job->place[i] = total;
+        total += n;
+    }
+    return total;
+}
+
+bvx_status bvxi_octree_leaves(bvx_context *ctx, const char *function, double from, double to, const bvx_octree *tree, int32_t states,
+                              bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count)
+{
+    double const middle = leaves != NULL ? from + (to - from) * 0.4 : to;
+    leaves_job job = {0};
+    uint64_t total;
+    BVXI_TRY(bvxi_octree_check(ctx, function, tree));
+    BVXI_TRY(bvxi_octree_check_states(ctx, function, states));
+    job.tree = tree;
+    job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
+    job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2], 1);
+    BVXI_TRY(bvxi_parallel(ctx, "octree", from, middle, job.pieces, leaves_of_piece, &job));
+    total = leaf_places(&job);
+    if (leaves != NULL) {
+        if (capacity < total)
+            return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u", function, capacity, total);
+        job.leaves = leaves;
+        BVXI_TRY(bvxi_parallel(ctx, "octree", middle, to, job.pieces, leaves_of_piece, &job));
+    }
+    *count = total;
+    return BVX_OK;
+}
+
+bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves, uint64_t capacity,
+                             uint64_t *count)
+{
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (count == NULL) return bvxi_fail_null(context, "bvx_octree_leaves", "count");
+    return bvxi_octree_leaves(context, "bvx_octree_leaves", 0.0, 1.0, tree, states, leaves, capacity, count);
+}

@@ -1,0 +1,278 @@
+/* octree.c - octrees made, freed, counted and looked into. */
+#include "refine/octree.h"
+
+#include <math.h>
+
+/* ---- levels ---- */
+
+bvx_status bvxi_octets_open(bvx_context *ctx, uint64_t count, uint64_t words, int split, bvxi_octets *octets)
+{
+    bvxi_octets made = {0};
+    bvx_status status;
+    made.count = count;
+    made.words = words;
+    status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's touched voxels", &made.touched);
+    if (status == BVX_OK) status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's outside voxels", &made.outside);
+    if (status == BVX_OK && split == BVXI_SPLIT_SOME)
+        status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's split voxels", &made.split);
+    if (status == BVX_OK && split != BVXI_SPLIT_NONE)
+        status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 4, "the octree's ranks", &made.before);
+    if (split == BVXI_SPLIT_ALL) made.split = made.touched;
+    if (status != BVX_OK) bvxi_octets_close(ctx, &made);
+    *octets = made;
+    return status;
+}
+
+void bvxi_octets_close(bvx_context *ctx, bvxi_octets *octets)
+{
+    bvxi_free(ctx, octets->before, octets->words * 4);
+    if (octets->split != octets->touched) bvxi_free(ctx, octets->split, octets->words * 8);
+    bvxi_free(ctx, octets->outside, octets->words * 8);
+    bvxi_free(ctx, octets->touched, octets->words * 8);
+    memset(octets, 0, sizeof *octets);
+}
+
+uint64_t bvxi_octets_count(bvxi_octets *octets)
+{
+    uint64_t total = 0;
+    if (octets->split == NULL) return 0;
+    for (uint64_t i = 0; i < octets->words; i++) {
+        octets->before[i] = (uint32_t)total;
+        total += bvxi_popcount(octets->split[i]);
+    }
+    return total;
+}
+
+void bvx_octree_free(bvx_context *context, bvx_octree *tree)
+{
+    if (context == NULL || tree == NULL) return;
+    for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= 0; l--) bvxi_octets_close(context, &tree->octets[l]);
+    bvxi_octets_close(context, &tree->root);
+    bvxi_free(context, tree, sizeof *tree);
+}
+
+bvx_status bvxi_octree_check(bvx_context *ctx, const char *function, const bvx_octree *tree)
+{
+    return tree == NULL ? bvxi_fail_null(ctx, function, "tree") : BVX_OK;
+}
+
+bvx_status bvxi_octree_check_states(bvx_context *ctx, const char *function, int32_t states)
+{
+    int32_t const all = BVX_STATE_OUTSIDE | BVX_STATE_INSIDE | BVX_STATE_SURFACE;
+    if ((states & ~all) == 0) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: states %d is no set of states", function, (int64_t)states);
+}
+
+int32_t bvx_octree_levels(const bvx_octree *tree)
+{
+    return tree == NULL ? -1 : tree->levels;
+}
+
+/* ---- lattices ---- */
+
+bvx_status bvxi_octree_lattice(bvx_context *ctx, const bvx_octree *tree, int32_t level, bvx_lattice *lattice)
+{
+    int32_t const up = tree->levels - level;
+    double spacing[3];
+    int32_t dims[3];
+    if (up == 0) {
+        *lattice = tree->lattice;
+        return BVX_OK;
+    }
+    for (int a = 0; a < 3; a++) {
+        spacing[a] = tree->lattice.spacing[a] * (double)((int32_t)1 << up);
+        dims[a] = tree->base[a] << level;
+    }
+    return bvx_lattice_make(ctx, tree->lattice.origin, spacing, dims, lattice);
+}
+
+bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tree, int32_t level, bvx_lattice *lattice)
+{
+    static const char *const function = "bvx_octree_lattice";
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (lattice == NULL) return bvxi_fail_null(context, function, "lattice");
+    BVXI_TRY(bvxi_octree_check(context, function, tree));
+    if (level < 0 || level > tree->levels)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: level %d is not one of the tree's 0 to %d", function, (int64_t)level,
+                         (int64_t)tree->levels);
+    return bvxi_octree_lattice(context, tree, level, lattice);
+}
+
+/* ---- counts ---- */
+
+static uint64_t count_mask_bits(const uint64_t *words, uint64_t count)
+{
+    uint64_t n = 0;
+    for (uint64_t i = 0; i < count; i++) n += bvxi_popcount(words[i]);
+    return n;
+}
+
+static void count_octree_level(const bvx_octree *tree, int32_t level, bvx_octree_level *c)
+{
+    const bvxi_octets *const o = level == 0 ? &tree->root : &tree->octets[level - 1];
+    uint64_t const touched = count_mask_bits(o->touched, o->words);
+    memset(c, 0, sizeof *c);
+    c->voxels = level == 0 ? (uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2] : 8 * o->count;
+    c->outside = count_mask_bits(o->outside, o->words);
+    c->inside = c->voxels - touched - c->outside;
+    c->split = o->split != NULL ? count_mask_bits(o->split, o->words) : 0;
+    c->surface = touched - c->split;
+    c->bytes = o->words * (16u + (o->before != NULL ? 4u : 0u) + (o->split != NULL && o->split != o->touched ? 8u : 0u));
+}
+
+bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts, int32_t capacity)
+{
+    static const char *const function = "bvx_octree_count";
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (counts == NULL) return bvxi_fail_null(context, function, "counts");
+    BVXI_TRY(bvxi_octree_check(context, function, tree));
+    if (capacity < tree->levels + 1)
+        return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the array holds %d levels, the tree has %d", function, (int64_t)capacity,
+                         (int64_t)tree->levels + 1);
+    for (int32_t l = 0; l <= tree->levels; l++) count_octree_level(tree, l, &counts[l]);
+    return BVX_OK;
+}
+
+/* ---- the leaf at a place ---- */
+
+/* Down from the base voxel; v are indices of the last level. */
+static void find_octree_leaf(const bvx_octree *tree, const int32_t v[3], bvx_octree_leaf *leaf)
+{
+    int32_t const levels = tree->levels;
+    const bvxi_octets *o = &tree->root;
+    uint64_t bit = bvxi_root_bit(tree, v[0] >> levels, v[1] >> levels, v[2] >> levels);
+    int32_t level = 0;
+    while (bvxi_octets_is_split(o, bit)) {
+        uint64_t const octet = bvxi_octets_rank(o, bit);
+        int32_t const down = levels - level - 1;
+        o = &tree->octets[level++];
+        bit = 8 * octet + (uint64_t)((v[0] >> down & 1) + 2 * (v[1] >> down & 1) + 4 * (v[2] >> down & 1));
+    }
+    memset(leaf, 0, sizeof *leaf);
+    for (int a = 0; a < 3; a++) leaf->ijk[a] = v[a] >> (levels - level);
+    leaf->level = (uint8_t)level;
+    leaf->state = (uint8_t)bvxi_octets_state(o, bit);
+}
+
+typedef struct octree_places {
+    const bvx_octree *tree;
+    const int32_t *voxels;
+    const double *points;
+    bvx_octree_leaf *leaves;
+    uint64_t count;
+    int32_t pieces;
+    uint64_t bad[256]; /* by piece: the first place that is none, or count */
+} octree_places;
+
+static int octree_has_voxel(const bvx_octree *tree, const int32_t v[3])
+{
+    const int32_t *const d = tree->lattice.dims;
+    return v[0] >= 0 && v[0] < d[0] && v[1] >= 0 && v[1] < d[1] && v[2] >= 0 && v[2] < d[2];
+}
+
+static void find_octree_voxels(void *user, int32_t index, int32_t worker)
+{
+    octree_places *const job = user;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(job->count, job->pieces, index, &begin, &end);
+    job->bad[index] = job->count;
+    for (uint64_t i = begin; i < end; i++) {
+        if (!octree_has_voxel(job->tree, job->voxels + 3 * i)) {
+            job->bad[index] = i;
+            return;
+        }
+        find_octree_leaf(job->tree, job->voxels + 3 * i, &job->leaves[i]);
+    }
+}
+
+/* The voxel that holds a point; 0 when none does, -1 when the point is not finite. */
+static int octree_voxel_of_point(const bvx_octree *tree, const double *p, int32_t v[3])
+{
+    int inside = 1;
+    for (int a = 0; a < 3; a++) {
+        double const at = floor((p[a] - tree->lattice.origin[a]) / tree->lattice.spacing[a]);
+        if (!(p[a] - p[a] == 0.0)) return -1;
+        if (at >= 0 && at < (double)tree->lattice.dims[a]) v[a] = (int32_t)at;
+        else inside = 0;
+    }
+    return inside;
+}
+
+static void find_octree_points(void *user, int32_t index, int32_t worker)
+{
+    octree_places *const job = user;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(job->count, job->pieces, index, &begin, &end);
+    job->bad[index] = job->count;
+    for (uint64_t i = begin; i < end; i++) {
+        int32_t v[3];
+        int const found = octree_voxel_of_point(job->tree, job->points + 3 * i, v);
+        if (found < 0) {
+            job->bad[index] = i;
+            return;
+        }
+        if (found) {
+            find_octree_leaf(job->tree, v, &job->leaves[i]);
+        } else {
+            memset(&job->leaves[i], 0, sizeof job->leaves[i]);
+            job->leaves[i].level = 255;
+            job->leaves[i].state = BVX_STATE_OUTSIDE;
+        }
+    }
+}
+
+enum { PLACE_GRAIN = 4096 };
+
+static bvx_status find_octree_places(bvx_context *ctx, octree_places *job, bvx_task_fn *task, uint64_t *bad)
+{
+    job->pieces = bvxi_piece_count(job->count, PLACE_GRAIN);
+    BVXI_TRY(bvxi_parallel(ctx, "octree", 0.0, 1.0, job->pieces, task, job));
+    *bad = job->count;
+    for (int32_t i = job->pieces; i-- > 0;)
+        if (job->bad[i] != job->count) *bad = job->bad[i];
+    return BVX_OK;
+}
+
+bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,
+                         bvx_octree_leaf *leaves)
+{
+    static const char *const function = "bvx_octree_at";
+    octree_places job = {0};
+    uint64_t bad;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_octree_check(context, function, tree));
+    if (count == 0) return BVX_OK;
+    if (voxels == NULL) return bvxi_fail_null(context, function, "voxels");
+    if (leaves == NULL) return bvxi_fail_null(context, function, "leaves");
+    job.tree = tree;
+    job.voxels = voxels;
+    job.count = count;
+    job.leaves = leaves;
+    BVXI_TRY(find_octree_places(context, &job, find_octree_voxels, &bad));
+    if (bad == count) return BVX_OK;
+    return bvxi_fail(context, BVX_ERR_RANGE, "%s: voxel %u (%d, %d, %d) is beyond the lattice's %d x %d x %d", function, bad,
+                     (int64_t)voxels[3 * bad], (int64_t)voxels[3 * bad + 1], (int64_t)voxels[3 * bad + 2],
+                     (int64_t)tree->lattice.dims[0], (int64_t)tree->lattice.dims[1], (int64_t)tree->lattice.dims[2]);
+}
+
+bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points, uint64_t count,
+                           bvx_octree_leaf *leaves)
+{
+    static const char *const function = "bvx_octree_find";
+    octree_places job = {0};
+    uint64_t bad;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_octree_check(context, function, tree));
+    if (count == 0) return BVX_OK;
+    if (points == NULL) return bvxi_fail_null(context, function, "points");
+    if (leaves == NULL) return bvxi_fail_null(context, function, "leaves");
+    job.tree = tree;
+    job.points = points;
+    job.count = count;
+    job.leaves = leaves;
+    BVXI_TRY(find_octree_places(context, &job, find_octree_points, &bad));
+    if (bad == count) return BVX_OK;
+    return bvxi_fail(context, BVX_ERR_RANGE, "%s: point %u is not finite", function, bad);
+}

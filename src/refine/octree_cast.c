@@ -1,0 +1,218 @@
+/* octree_cast.c - the first leaf on each of many rays: bvx_octree_cast.
+ *
+ * Along each axis a ray has u = (origin - lattice origin) / spacing and step = direction / spacing in voxels of the last level,
+ * and crosses plane i at t(i) = (i - u) * (1 / step), in doubles, as in cast.c. A leaf's closed box is met from the greatest t of
+ * its entering planes to the least of its leaving ones; an axis without motion is met where u lies between the planes. Octets
+ * are entered where the ray meets their boxes, nearer children first, so what lies behind the best hit is passed over; the
+ * hit is the leaf with the least (t, z, y, x) by these numbers, as if all had been asked. */
+#include "refine/octree.h"
+
+#include <math.h>
+
+typedef struct octree_ray {
+    const bvx_octree *tree;
+    double u[3], per[3]; /* per: 1 / step */
+    double end;          /* no hit behind this t; that of the best one so far */
+    double t;
+    int32_t way[3];      /* -1, 0, 1 */
+    int32_t states, found, axis;
+    int32_t low[3];      /* low corner of the best leaf [Units: voxels of the last level] */
+    bvx_octree_leaf leaf;
+} octree_ray;
+
+/* Is the box of a voxel met, from when on, and through which axis? */
+static int ray_meets_box(const octree_ray *r, const int32_t v[3], int32_t level, double *from, int32_t *axis)
+{
+    int32_t const up = r->tree->levels - level;
+    double enter = 0.0, leave = r->end;
+    *axis = -1;
+    for (int32_t a = 0; a < 3; a++) {
+        double const low = (double)(v[a] << up), high = (double)((v[a] + 1) << up);
+        if (r->way[a] == 0) {
+            if (r->u[a] < low || r->u[a] > high) return 0;
+            continue;
+        }
+        double const first = ((r->way[a] > 0 ? low : high) - r->u[a]) * r->per[a], last = ((r->way[a] > 0 ? high : low) - r->u[a]) * r->per[a];
+        if (first > enter) {
+            enter = first;
+            *axis = a;
+        }
+        if (last < leave) leave = last;
+    }
+    *from = enter;
+    return enter <= leave;
+}
+
+static void try_octree_leaf(octree_ray *r, const int32_t v[3], int32_t level, int32_t state, double t, int32_t axis)
+{
+    int32_t const up = r->tree->levels - level;
+    int32_t const x = v[0] << up, y = v[1] << up, z = v[2] << up;
+    if (r->found && t == r->t &&
+        (z > r->low[2] || (z == r->low[2] && (y > r->low[1] || (y == r->low[1] && x > r->low[0]))))) return;
+    r->found = 1;
+    r->t = r->end = t;
+    r->axis = axis;
+    r->low[0] = x;
+    r->low[1] = y;
+    r->low[2] = z;
+    memset(&r->leaf, 0, sizeof r->leaf);
+    memcpy(r->leaf.ijk, v, sizeof r->leaf.ijk);
+    r->leaf.level = (uint8_t)level;
+    r->leaf.state = (uint8_t)state;
+}
+
+typedef struct cast_octet {
+    uint64_t octet;
+    uint32_t n; /* children looked at */
+    int32_t v[3];
+} cast_octet;
+
+static void cast_into_octets(octree_ray *r, uint64_t octet, const int32_t v[3])
+{
+    uint32_t const turn = (uint32_t)(r->way[0] < 0) | (uint32_t)(r->way[1] < 0) << 1 | (uint32_t)(r->way[2] < 0) << 2;
+    cast_octet stack[BVXI_OCTREE_LEVELS];
+    int32_t level = 0;
+    stack[0].octet = octet;
+    stack[0].n = 0;
+    memcpy(stack[0].v, v, sizeof stack[0].v);
+    while (level >= 0) {
+        cast_octet *const s = &stack[level];
+        const bvxi_octets *const o = &r->tree->octets[level];
+        double t;
+        int32_t axis;
+        if (s->n == 8) {
+            level--;
+            continue;
+        }
+        uint32_t const p = s->n++ ^ turn; /* nearer ones first */
+        uint64_t const bit = 8 * s->octet + p;
+        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1), 2 * s->v[2] + (int32_t)(p >> 2)};
+        int const split = bvxi_octets_is_split(o, bit) != 0;
+        int32_t const state = bvxi_octets_state(o, bit);
+        if ((!split && (state & r->states) == 0) || !ray_meets_box(r, child, level + 1, &t, &axis)) continue;
+        if (!split) {
+            try_octree_leaf(r, child, level + 1, state, t, axis);
+            continue;
+        }
+        cast_octet *const next = &stack[++level];
+        next->octet = bvxi_octets_rank(o, bit);
+        next->n = 0;
+        memcpy(next->v, child, sizeof next->v);
+    }
+}
+
+/* Base voxels from first to last of an axis, in the ray's order. */
+static inline int32_t in_ray_order(const octree_ray *r, int a, int32_t n)
+{
+    return r->way[a] < 0 ? r->tree->base[a] - 1 - n : n;
+}
+
+/* The ray meets a row's box: between the planes of (y, z), along all of x. */
+static int ray_meets_row(const octree_ray *r, int32_t y, int32_t z)
+{
+    octree_ray flat = *r;
+    int32_t const v[3] = {0, y, z};
+    double t;
+    int32_t axis;
+    flat.way[0] = 0;
+    flat.u[0] = 0.0;
+    return ray_meets_box(&flat, v, 0, &t, &axis);
+}
+
+static void cast_octree_ray(octree_ray *r)
+{
+    const bvx_octree *const tree = r->tree;
+    for (int32_t k = 0; k < tree->base[2]; k++)
+        for (int32_t j = 0; j < tree->base[1]; j++) {
+            int32_t const y = in_ray_order(r, 1, j), z = in_ray_order(r, 2, k);
+            if (!ray_meets_row(r, y, z)) continue;
+            for (int32_t i = 0; i < tree->base[0]; i++) {
+                int32_t const v[3] = {in_ray_order(r, 0, i), y, z};
+                uint64_t const bit = bvxi_root_bit(tree, v[0], y, z);
+                int32_t const state = bvxi_octets_state(&tree->root, bit);
+                int const split = bvxi_octets_is_split(&tree->root, bit) != 0;
+                double t;
+                int32_t axis;
+                if ((!split && (state & r->states) == 0) || !ray_meets_box(r, v, 0, &t, &axis)) continue;
+                if (split) cast_into_octets(r, bvxi_octets_rank(&tree->root, bit), v);
+                else try_octree_leaf(r, v, 0, state, t, axis);
+            }
+        }
+}
+
+/* ---- many rays ---- */
+
+typedef struct octree_cast {
+    const bvx_octree *tree;
+    const double *rays;
+    bvx_octree_hit *hits;
+    uint64_t count;
+    double t_max;
+    int32_t states, pieces;
+} octree_cast;
+
+static void cast_octree_piece(void *user, int32_t index, int32_t worker)
+{
+    const octree_cast *const job = user;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(job->count, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        const double *const ray = job->rays + 6 * i;
+        octree_ray r = {0};
+        int usable = 1;
+        r.tree = job->tree;
+        r.end = job->t_max;
+        r.states = job->states;
+        for (int a = 0; a < 3; a++) {
+            double const step = ray[3 + a] / job->tree->lattice.spacing[a];
+            r.u[a] = (ray[a] - job->tree->lattice.origin[a]) / job->tree->lattice.spacing[a];
+            r.way[a] = (step > 0) - (step < 0);
+            r.per[a] = r.way[a] != 0 ? 1.0 / step : 0.0;
+            usable &= r.u[a] - r.u[a] == 0.0 && r.per[a] - r.per[a] == 0.0;
+        }
+        if (usable) cast_octree_ray(&r);
+        memset(&job->hits[i], 0, sizeof job->hits[i]);
+        if (!r.found) continue;
+        job->hits[i].t = r.t;
+        for (int a = 0; a < 3; a++) job->hits[i].position[a] = ray[a] + r.t * ray[3 + a];
+        job->hits[i].leaf = r.leaf;
+        job->hits[i].axis = r.axis;
+        job->hits[i].hit = 1;
+    }
+}
+
+static bvx_status check_octree_rays(bvx_context *ctx, const double *rays, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        const double *const r = rays + 6 * i;
+        for (int k = 0; k < 6; k++)
+            if (!(r[k] - r[k] == 0.0)) return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_octree_cast: ray %u is not finite", i);
+        if (r[3] == 0 && r[4] == 0 && r[5] == 0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "bvx_octree_cast: the direction of ray %u is 0", i);
+    }
+    return BVX_OK;
+}
+
+bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays, uint64_t count, double t_max,
+                           bvx_octree_hit *hits)
+{
+    static const char *const function = "bvx_octree_cast";
+    octree_cast job = {0};
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_octree_check(context, function, tree));
+    BVXI_TRY(bvxi_octree_check_states(context, function, states));
+    if (!(t_max >= 0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: t_max is %g; it must be 0 or more", function, t_max);
+    if (count == 0) return BVX_OK;
+    if (rays == NULL) return bvxi_fail_null(context, function, "rays");
+    if (hits == NULL) return bvxi_fail_null(context, function, "hits");
+    BVXI_TRY(check_octree_rays(context, rays, count));
+    job.tree = tree;
+    job.rays = rays;
+    job.hits = hits;
+    job.count = count;
+    job.t_max = t_max;
+    job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
+    job.pieces = bvxi_piece_count(count, 64);
+    return bvxi_parallel(context, "octree", 0.0, 1.0, job.pieces, cast_octree_piece, &job);
+}

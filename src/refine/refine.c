@@ -1,0 +1,213 @@
+/* refine.c - voxels of several sizes from a mesh: bvx_refine.
+ *
+ * Source: "Refinement of surface voxels by boundary states". Vertices are snapped once, to the last level's lattice. A grid of
+ * some level gives that and all coarser ones (refine_start.c); from there the touched voxels of each level are split and
+ * their children tested against their triangles (refine_level.c); at the end boundary states find what is outside (states.c).
+ * Guarantee: the same tree for any threads and any start level; at the last level the uniform surface and its flood. */
+#include "refine/refine.h"
+
+static const char bvx_refine_name[] = "bvx_refine";
+static const bvx_refine_options refine_defaults = {0, 6, -1, {{0, 0, 0}, {0, 0, 0}}, 0, 0, 0.0};
+
+/* Grids up to this many bytes are made at the last level; else the start is the last level below the second number. */
+#define REFINE_WHOLE_GRID ((uint64_t)1 << 27)
+#define REFINE_START_GRID ((uint64_t)1 << 21)
+
+void bvx_refine_options_init(bvx_refine_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &refine_defaults, sizeof refine_defaults);
+}
+
+/* ---- arguments ---- */
+
+/* Levels that a base's sides leave room for; -1: not even itself. */
+static int32_t levels_that_fit(const int32_t base[3])
+{
+    int32_t longest = 1, levels = 0;
+    for (int a = 0; a < 3; a++)
+        if (base[a] > longest) longest = base[a];
+    uint64_t const face = (uint64_t)base[0] * (uint64_t)base[1];
+    if (face >= (uint64_t)1 << 31 || face * (uint64_t)base[2] >= (uint64_t)1 << 31) return -1;
+    while (levels < BVXI_OCTREE_LEVELS && longest <= BVXI_MAX_SIDE >> (levels + 1)) levels++;
+    return levels;
+}
+
+static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *base,
+                                         const bvx_refine_options *given, bvx_refine_options *o)
+{
+    BVXI_TRY(bvxi_take_options(ctx, bvx_refine_name, given, o, sizeof *o));
+    BVXI_TRY(bvxi_view_check(ctx, bvx_refine_name, mesh));
+    if (mesh->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", bvx_refine_name);
+    BVXI_TRY(bvxi_lattice_check(ctx, bvx_refine_name, base));
+    int32_t const most = levels_that_fit(base->dims);
+    if (most < 0)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: a base of %d x %d x %d voxels; fewer than 2^31 are possible", bvx_refine_name,
+                         (int64_t)base->dims[0], (int64_t)base->dims[1], (int64_t)base->dims[2]);
+    if (o->levels < 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: levels is %d; it must be 0 or more", bvx_refine_name, (int64_t)o->levels);
+    if (o->levels > most)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %d levels over a base of %d x %d x %d voxels are beyond a lattice's 2^25; %d levels fit",
+                         bvx_refine_name, (int64_t)o->levels, (int64_t)base->dims[0], (int64_t)base->dims[1], (int64_t)base->dims[2],
+                         (int64_t)most);
+    if (o->start_level < -1 || o->start_level > o->levels)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: start_level is %d; -1 to levels (%d) are possible", bvx_refine_name,
+                         (int64_t)o->start_level, (int64_t)o->levels);
+    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", bvx_refine_name);
+    if (o->outer_levels < 0 || o->outer_levels > o->levels)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer_levels is %d; 0 to levels (%d) are possible", bvx_refine_name,
+                         (int64_t)o->outer_levels, (int64_t)o->levels);
+    if (!(o->tolerance >= 0) || !(o->tolerance - o->tolerance == 0))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: tolerance is %g; it must be 0 or more and finite", bvx_refine_name, o->tolerance);
+    if (o->tolerance > 0 && o->start_level > 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a tolerance starts at level 0, not %d", bvx_refine_name, (int64_t)o->start_level);
+    return BVX_OK;
+}
+
+/* The window grows to whole voxels of level outer_levels. */
+static bvx_status take_refine_window(bvxi_refine_job *job, bvx_refine_options *o)
+{
+    static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
+    int32_t const down = o->levels - o->outer_levels, side = (int32_t)1 << down;
+    job->tolerance = o->tolerance;
+    for (int a = 0; a < 3; a++) job->step[a] = job->tree->lattice.spacing[a] / (double)((int32_t)1 << job->tree->lattice.fraction_bits);
+    if (memcmp(&o->window, &none, sizeof none) == 0) return BVX_OK;
+    BVXI_TRY(bvxi_window_take(job->ctx, bvx_refine_name, &job->tree->lattice, &o->window, &o->window));
+    job->windowed = 1;
+    job->outer = o->outer_levels;
+    for (int a = 0; a < 3; a++) {
+        job->low[a] = o->window.low[a] >> down;
+        job->high[a] = ((o->window.low[a] + o->window.size[a] - 1) >> down) + 1;
+        o->window.low[a] = job->low[a] * side;
+        o->window.size[a] = (job->high[a] - job->low[a]) * side;
+    }
+    return BVX_OK;
+}
+
+static bvx_status last_lattice(bvx_context *ctx, const bvx_lattice *base, int32_t levels, bvx_lattice *last)
+{
+    double spacing[3];
+    int32_t dims[3];
+    for (int a = 0; a < 3; a++) {
+        spacing[a] = base->spacing[a] / (double)((int32_t)1 << levels);
+        dims[a] = base->dims[a] << levels;
+    }
+    return bvx_lattice_make(ctx, base->origin, spacing, dims, last);
+}
+
+/* A tolerance looks at lists, so it has them from the base on; beyond a window a grid would be for nothing. */
+static int32_t choose_start(const bvxi_refine_job *job)
+{
+    const bvx_octree *const tree = job->tree;
+    int32_t start = job->windowed ? job->outer : tree->levels;
+    if (job->tolerance > 0) return 0;
+    if (bvxi_refine_grid_words(tree, start) <= REFINE_WHOLE_GRID / 8) return start;
+    while (start > 0 && bvxi_refine_grid_words(tree, start) > REFINE_START_GRID / 8) start--;
+    return start;
+}
+
+/* ---- the work ---- */
+
+static void drop_refinement(bvxi_refine_job *job)
+{
+    bvxi_refine_free_front(job, &job->front);
+    for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= 0; l--) {
+        bvxi_free(job->ctx, job->up[l], job->up_count[l] * 4);
+        job->up[l] = NULL;
+    }
+    bvxi_refine_free_grids(job);
+}
+
+static void drop_octets(bvxi_refine_job *job, int32_t from)
+{
+    for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= from; l--) {
+        bvxi_octets_close(job->ctx, &job->tree->octets[l]);
+        bvxi_free(job->ctx, job->up[l], job->up_count[l] * 4);
+        job->up[l] = NULL;
+    }
+}
+
+/* Levels that memory allowed: all that were made and leave room for their boundary states. */
+static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made)
+{
+    bvx_context *const ctx = job->ctx;
+    int32_t const levels = job->tree->levels;
+    bvxi_refine_free_front(job, &job->front);
+    bvxi_refine_free_grids(job);
+    for (; made >= 0; made--) {
+        uint64_t const bytes = bvxi_states_bytes(job->tree, made);
+        void *block;
+        drop_octets(job, made);
+        if (bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the boundary states", &block) != BVX_OK) continue;
+        bvxi_free(ctx, block, bytes);
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %d levels are beyond the memory limit; levels = %d fits", bvx_refine_name,
+                         (int64_t)levels, (int64_t)made);
+    }
+    if (job->start > 0)
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: starting at a grid of level %d is beyond the memory limit; start_level -1 or 0 takes less",
+                         bvx_refine_name, (int64_t)job->start);
+    return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: not even the base of %d x %d x %d voxels fits the memory limit", bvx_refine_name,
+                     (int64_t)job->tree->base[0], (int64_t)job->tree->base[1], (int64_t)job->tree->base[2]);
+}
+
+static bvx_status run_refinement(bvxi_refine_job *job, const bvx_window *window)
+{
+    bvx_octree *const tree = job->tree;
+    int32_t made = -1;
+    bvx_status status = bvxi_refine_start(job);
+    while (status == BVX_OK && ++made < tree->levels) {
+        status = bvxi_refine_split(job, made);
+        if (made == job->start) bvxi_refine_free_grids(job); /* its order was the last that they were asked for */
+    }
+    if (status == BVX_OK) {
+        bvxi_refine_free_front(job, &job->front);
+        bvxi_refine_free_grids(job);
+        status = job->windowed ? bvxi_octree_row_states(job, window) : bvxi_octree_states(job->ctx, tree, job->up);
+    }
+    if (status == BVX_ERR_BUDGET && job->windowed)
+        return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: the window at level %d is beyond the memory limit", bvx_refine_name,
+                         (int64_t)tree->levels);
+    return status == BVX_ERR_BUDGET ? fail_at_level(job, made < tree->levels ? made : tree->levels - 1) : status;
+}
+
+/* A start level that was chosen, not asked for, gives way to the base when memory does not allow it. */
+static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked, const bvx_window *window)
+{
+    bvx_status status;
+    job->start = asked >= 0 ? asked : choose_start(job);
+    status = run_refinement(job, window);
+    if (status == BVX_ERR_BUDGET && asked < 0 && job->start > 0) {
+        drop_refinement(job);
+        drop_octets(job, 0);
+        bvxi_octets_close(job->ctx, &job->tree->root);
+        job->start = 0;
+        status = run_refinement(job, window);
+    }
+    drop_refinement(job);
+    return status;
+}
+
+bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base, const bvx_refine_options *options,
+                      bvx_octree **tree)
+{
+    bvx_refine_options o = refine_defaults;
+    bvxi_refine_job job;
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (tree == NULL) return bvxi_fail_null(context, bvx_refine_name, "tree");
+    if (*tree != NULL) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: *tree is not NULL; free it first", bvx_refine_name);
+    BVXI_TRY(check_refine_arguments(context, mesh, base, options, &o));
+    memset(&job, 0, sizeof job);
+    job.ctx = context;
+    job.view = mesh;
+    BVXI_TRY(bvxi_alloc_zero(context, BVXI_RESULT, sizeof *job.tree, "the octree", &job.tree));
+    memcpy(job.tree->base, base->dims, sizeof job.tree->base);
+    job.tree->levels = o.levels;
+    job.tree->row_words = bvxi_row_words(base->dims[0]);
+    status = last_lattice(context, base, o.levels, &job.tree->lattice);
+    if (status == BVX_OK) status = bvxi_snap(context, bvx_refine_name, mesh, &job.tree->lattice, &job.snapped);
+    if (status == BVX_OK) status = take_refine_window(&job, &o);
+    if (status == BVX_OK) status = refine_from_start(&job, o.start_level, &o.window);
+    bvxi_snap_free(context, &job.snapped);
+    if (status != BVX_OK) bvx_octree_free(context, job.tree);
+    else *tree = job.tree;
+    return status;
+}

@@ -1,0 +1,356 @@
+/* states.c - what is outside: boundary states handed from voxel to voxel until nothing changes.
+ *
+ * Source: "Refinement of surface voxels by boundary states" 2.1 and 2.2: six bits 00zyx-z-y-x say through which faces a voxel
+ * borders on the outside; a child p = x + 2 y + 4 z takes those of its octet that are its own too: I(p) = (p << 3) | (~p & 7).
+ * The paper's one traversal depends on its order; here a worklist holds every octet with news until none is left, and a
+ * triangle-free voxel of any size that is exposed becomes outside. The last state is the least fixed point, whatever the order.
+ *
+ * Octets are worked on as masks of eight children; those of the last but one level, together with the octets of their
+ * children, as cubes of 64 voxels in a word (cubes.h). Between them:
+ *   to a child that is split: its boundary state, as the whole face is outside;
+ *   to the neighbour of the same size: its voxels on that side;
+ *   to a larger one without triangles: the bit that it is in its own octet, or in the base.
+ * Neighbours are found by going up to the first octet that holds both, or over the base, and down again on the other side.
+ * The base is flooded by rows of bits (states_base.c). Guarantee: exact. */
+#include "refine/cubes.h"
+#include "refine/states.h"
+
+/* An octet of the same level, or a leaf of the same size or larger: child `bit` of an octet, or a bit of the base. */
+typedef struct octree_neighbour {
+    int32_t level; /* of the octet */
+    int32_t kind;  /* NEIGHBOUR_... */
+    uint64_t octet, bit;
+} octree_neighbour;
+
+enum { NEIGHBOUR_NONE = 0, NEIGHBOUR_OCTET = 1, NEIGHBOUR_CHILD = 2, NEIGHBOUR_BASE = 3 };
+
+static inline void expose_children(bvxi_states_job *job, int32_t level, uint64_t octet, uint32_t children)
+{
+    bvxi_octet_news *const o = bvxi_news_of(job, level, octet);
+    uint32_t const fresh = children & ~(uint32_t)(o->touched | o->outside | o->fresh);
+    if (fresh == 0) return;
+    o->fresh = (uint8_t)(o->fresh | fresh);
+    bvxi_list_numbered(job, level, octet, &o->state);
+}
+
+static inline void expose_voxels(bvxi_states_job *job, uint64_t octet, uint64_t voxels)
+{
+    bvxi_cube_news *const c = &job->cubes[octet];
+    uint64_t const fresh = voxels & ~(c->touched | c->outside | c->fresh);
+    if (fresh == 0) return;
+    c->fresh |= fresh;
+    bvxi_list_numbered(job, job->bottom, octet, &c->state);
+}
+
+/* The octet that child p of an octet is split into. */
+static inline uint64_t octet_below(const bvxi_states_job *job, int32_t level, uint64_t octet, uint32_t p)
+{
+    return bvxi_octets_rank(&job->tree->octets[level], 8 * octet + p);
+}
+
+/* ---- neighbours ---- */
+
+/* The base voxel beyond face d of the base voxel with this linear index; 0 beyond the lattice. */
+static int base_neighbour(const bvxi_states_job *job, uint32_t linear, int d, uint64_t *bit)
+{
+    int32_t v[3];
+    v[0] = (int32_t)(linear % (uint32_t)job->nx);
+    v[1] = (int32_t)(linear / (uint32_t)job->nx % (uint32_t)job->ny);
+    v[2] = (int32_t)(linear / (uint32_t)job->nx / (uint32_t)job->ny);
+    v[d % 3] += d >= 3 ? 1 : -1;
+    if (v[d % 3] < 0 || v[d % 3] >= job->tree->base[d % 3]) return 0;
+    *bit = bvxi_root_bit(job->tree, v[0], v[1], v[2]);
+    return 1;
+}
+
+/* What lies beyond face d of an octet. */
+static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, uint64_t octet, int d)
+{
+    uint32_t const across = 1u << d % 3, side = d >= 3 ? across : 0;
+    uint8_t path[BVXI_OCTREE_LEVELS]; /* children on the way up */
+    int32_t depth = 0;
+    octree_neighbour at = {level, NEIGHBOUR_OCTET, octet, 0};
+    for (int over = 0; !over;) {
+        uint32_t const up = job->up[at.level][at.octet];
+        if (at.level == 0) {
+            at.kind = base_neighbour(job, up, d, &at.bit) ? NEIGHBOUR_BASE : NEIGHBOUR_NONE;
+            if (at.kind == NEIGHBOUR_NONE || !bvxi_octets_is_split(&job->tree->root, at.bit)) return at;
+            at.octet = bvxi_octets_rank(&job->tree->root, at.bit);
+            break;
+        }
+        path[depth++] = (uint8_t)(up & 7);
+        at.octet = up >> 3;
+        at.level--;
+        over = ((up & across) ^ side) != 0; /* the octet holds both sides */
+    }
+    while (depth > 0) { /* down again on the other side */
+        uint32_t const p = path[--depth] ^ across;
+        at.kind = NEIGHBOUR_CHILD;
+        at.bit = p;
+        if ((bvxi_news_of(job, at.level, at.octet)->split >> p & 1) == 0) return at;
+        at.octet = octet_below(job, at.level, at.octet, p);
+        at.level++;
+    }
+    at.kind = NEIGHBOUR_OCTET;
+    return at;
+}
+
+/* ---- octets ---- */
+
+/* The neighbours within an octet of its children. */
+static inline uint32_t beside_in_octet(uint32_t m)
+{
+    return (m & 0x55) << 1 | (m & 0xaa) >> 1 | (m & 0x33) << 2 | (m & 0xcc) >> 2 | (m & 0x0f) << 4 | (m & 0xf0) >> 4;
+}
+
+/* To children that are split, where the children beside them have become outside or all of the octet's face is. */
+static void pass_down(bvxi_states_job *job, int32_t level, uint64_t octet, const bvxi_octet_news *o, uint32_t news)
+{
+    uint64_t below = octet_below(job, level, octet, 0);
+    for (uint32_t p = 0; p < 8; p++) {
+        uint32_t state = o->state & bvxi_octet_inherits(p);
+        if ((o->split >> p & 1) == 0) continue;
+        for (uint32_t a = 0; a < 3; a++)
+            if ((news >> (p ^ 1u << a) & 1) != 0) state |= 1u << (p >> a & 1 ? a : a + 3);
+        if (state != 0) bvxi_expose_octet(job, level + 1, below, state);
+        below++;
+    }
+}
+
+/* Children of the octet beyond face d, beside `children` of this one. */
+static void pass_to_octet(bvxi_states_job *job, int32_t level, uint64_t octet, int d, uint32_t children)
+{
+    unsigned const step = 1u << d % 3;
+    uint32_t const beside = d >= 3 ? children >> step : children << step;
+    expose_children(job, level, octet, beside);
+    for (uint32_t p = 0, split = beside & bvxi_news_of(job, level, octet)->split; split != 0; p++, split >>= 1)
+        if ((split & 1) != 0) bvxi_expose_octet(job, level + 1, octet_below(job, level, octet, p), 1u << (d + 3) % 6);
+}
+
+static void expose_base(bvxi_states_job *job, uint64_t bit)
+{
+    uint64_t *const word = &job->tree->root.outside[bit >> 6];
+    uint64_t const one = UINT64_C(1) << (bit & 63);
+    if ((*word & one) != 0 || bvxi_bit_of(job->tree->root.touched, bit)) return;
+    *word |= one;
+    bvxi_list_row(job, (bit >> 6) / (uint64_t)job->row_words);
+}
+
+/* To a leaf beyond a face. */
+static inline void pass_to_leaf(bvxi_states_job *job, const octree_neighbour *beyond)
+{
+    if (beyond->kind == NEIGHBOUR_CHILD) expose_children(job, beyond->level, beyond->octet, 1u << beyond->bit);
+    else if (beyond->kind == NEIGHBOUR_BASE) expose_base(job, beyond->bit);
+}
+
+static void work_on_octet(bvxi_states_job *job, int32_t level, uint64_t octet)
+{
+    bvxi_octet_news *const o = bvxi_news_of(job, level, octet);
+    uint32_t const open = 255 & ~(uint32_t)(o->touched | o->outside);
+    uint32_t news = o->fresh;
+    for (int d = 0; d < BVXI_DIRECTIONS; d++)
+        if ((o->state >> d & 1) != 0) news |= bvxi_octet_side(d);
+    news &= open;
+    for (uint32_t grown = 0; grown != news;) {
+        grown = news;
+        news |= beside_in_octet(news) & open;
+    }
+    o->state = (uint8_t)(o->state & ~BVXI_IN_LIST);
+    o->fresh = 0;
+    o->outside = (uint8_t)(o->outside | news);
+    if (o->split != 0) pass_down(job, level, octet, o, news);
+    for (int d = 0; d < BVXI_DIRECTIONS; d++) {
+        uint32_t const children = news & bvxi_octet_side(d);
+        if (children == 0) continue;
+        octree_neighbour const beyond = neighbour_of(job, level, octet, d);
+        if (beyond.kind == NEIGHBOUR_OCTET) pass_to_octet(job, level, beyond.octet, d, children);
+        else pass_to_leaf(job, &beyond);
+    }
+}
+
+static void work_on_cube(bvxi_states_job *job, uint64_t octet)
+{
+    bvxi_cube_news *const c = &job->cubes[octet];
+    uint64_t const open = ~(c->touched | c->outside);
+    uint64_t news = c->fresh;
+    for (int d = 0; d < BVXI_DIRECTIONS; d++)
+        if ((c->state >> d & 1) != 0) news |= bvxi_cube_side(d);
+    news = bvxi_cube_flood(news & open, open);
+    c->state = (uint8_t)(c->state & ~BVXI_IN_LIST);
+    c->fresh = 0;
+    c->outside |= news;
+    for (int d = 0; d < BVXI_DIRECTIONS; d++) {
+        uint64_t const side = news & bvxi_cube_side(d);
+        if (side == 0) continue;
+        octree_neighbour const beyond = neighbour_of(job, job->bottom, octet, d);
+        if (beyond.kind == NEIGHBOUR_OCTET) expose_voxels(job, beyond.octet, bvxi_cube_beyond(side, d));
+        else pass_to_leaf(job, &beyond);
+    }
+}
+
+static void work_on_number(bvxi_states_job *job, uint64_t number)
+{
+    int32_t level = job->bottom;
+    while (job->first[level] > number) level--;
+    if (level == job->bottom) work_on_cube(job, number - job->first[level]);
+    else work_on_octet(job, level, number - job->first[level]);
+}
+
+/* ---- all of it ---- */
+
+enum { OCTETS_BETWEEN_QUESTIONS = 1 << 17, STATES_GRAIN = 1024 };
+
+static bvx_status work_until_done(bvx_context *ctx, bvxi_states_job *job)
+{
+    uint32_t since = 0;
+    while (job->rows_listed > 0 || job->listed > 0) {
+        if (job->rows_listed > 0) bvxi_work_on_row(job, job->row_list[--job->rows_listed]);
+        else work_on_number(job, job->list[--job->listed]);
+        if (++since < OCTETS_BETWEEN_QUESTIONS) continue;
+        since = 0;
+        BVXI_TRY(bvxi_progress(ctx, "refine", 0.9));
+    }
+    return BVX_OK;
+}
+
+static uint64_t cube_of_octet(const bvx_octree *tree, int32_t level, uint64_t octet)
+{
+    const bvxi_octets *const o = &tree->octets[level];
+    uint32_t const touched = bvxi_octet_mask(o->touched, octet), split = bvxi_octet_split(o, octet);
+    uint64_t below = split != 0 ? bvxi_octets_rank(o, 8 * octet) : 0, cube = 0;
+    for (uint32_t p = 0; p < 8; p++) {
+        uint64_t const child = (split >> p & 1) != 0   ? bvxi_cube_spread(bvxi_octet_mask(tree->octets[level + 1].touched, below++))
+                               : (touched >> p & 1) != 0 ? BVXI_CUBE_CHILD
+                                                         : 0;
+        cube |= child << bvxi_cube_shift(p);
+    }
+    return cube;
+}
+
+static void take_cubes(void *user, int32_t index, int32_t worker)
+{
+    const bvxi_states_job *const job = user;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(job->tree->octets[job->bottom].count, job->pieces, index, &begin, &end);
+    for (uint64_t n = begin; n < end; n++) {
+        memset(&job->cubes[n], 0, sizeof job->cubes[n]);
+        job->cubes[n].touched = cube_of_octet(job->tree, job->bottom, n);
+    }
+}
+
+static void take_octets(const bvxi_states_job *job)
+{
+    for (int32_t l = 0; l < job->bottom; l++)
+        for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
+            bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
+                                      (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
+            *bvxi_news_of(job, l, n) = fresh;
+        }
+}
+
+static void give_octets(const bvxi_states_job *job)
+{
+    for (int32_t l = 0; l < job->bottom; l++)
+        for (uint64_t n = 0; n < job->tree->octets[l].count; n++)
+            bvxi_octet_put(job->tree->octets[l].outside, n, bvxi_news_of(job, l, n)->outside);
+}
+
+/* Pieces are whole words of the masks. */
+static void words_of_piece(const bvxi_states_job *job, int32_t level, int32_t index, uint64_t *begin, uint64_t *end)
+{
+    uint64_t const count = job->tree->octets[level].count;
+    bvxi_piece(job->tree->octets[level].words, job->pieces, index, begin, end);
+    *begin *= 8;
+    *end = *end * 8 < count ? *end * 8 : count;
+}
+
+static void give_cubes(void *user, int32_t index, int32_t worker)
+{
+    const bvxi_states_job *const job = user;
+    const bvxi_octets *const o = &job->tree->octets[job->bottom];
+    uint64_t begin, end;
+    (void)worker;
+    words_of_piece(job, job->bottom, index, &begin, &end);
+    for (uint64_t n = begin; n < end; n++) { /* a leaf has all or none of its voxels */
+        uint32_t const leaves = 255 & ~bvxi_octet_mask(o->touched, n);
+        uint32_t outside = 0;
+        for (uint32_t p = 0; p < 8; p++) outside |= (uint32_t)(job->cubes[n].outside >> bvxi_cube_shift(p) & 1) << p;
+        bvxi_octet_put(o->outside, n, outside & leaves);
+    }
+    if (o->split == NULL) return;
+    words_of_piece(job, job->bottom + 1, index, &begin, &end);
+    for (uint64_t n = begin; n < end; n++) {
+        uint32_t const up = job->up[job->bottom + 1][n];
+        uint64_t const child = job->cubes[up >> 3].outside >> bvxi_cube_shift(up & 7);
+        bvxi_octet_put(job->tree->octets[job->bottom + 1].outside, n, bvxi_cube_gather(child));
+    }
+}
+
+/* The level of the octets that are cubes, of a tree of these levels. */
+static int32_t bottom_of_levels(int32_t levels)
+{
+    return levels >= 2 ? levels - 2 : levels - 1;
+}
+
+/* Octets above the cubes. */
+static uint64_t octets_above(const bvx_octree *tree, int32_t bottom)
+{
+    uint64_t octets = 0;
+    for (int32_t l = 0; l < bottom; l++) octets += tree->octets[l].count;
+    return octets;
+}
+
+uint64_t bvxi_states_bytes(const bvx_octree *tree, int32_t levels)
+{
+    int32_t const bottom = bottom_of_levels(levels);
+    uint64_t const octets = octets_above(tree, bottom), cubes = bottom >= 0 ? tree->octets[bottom].count : 0;
+    return cubes * (sizeof(bvxi_cube_news) + 4) + octets * (sizeof(bvxi_octet_news) + 4) + tree->root.words * 8 + tree->root.count * 5;
+}
+
+static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
+{
+    if (job->bottom < 0) {
+        bvxi_expose_sides(job);
+        return work_until_done(ctx, job);
+    }
+    job->pieces = bvxi_piece_count(job->tree->octets[job->bottom].count, STATES_GRAIN);
+    take_octets(job);
+    BVXI_TRY(bvxi_parallel(ctx, "refine", 0.75, 0.8, job->pieces, take_cubes, job));
+    bvxi_expose_sides(job);
+    BVXI_TRY(work_until_done(ctx, job));
+    give_octets(job);
+    return bvxi_parallel(ctx, "refine", 0.95, 1.0, job->pieces, give_cubes, job);
+}
+
+bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *const *up)
+{
+    int32_t const bottom = bottom_of_levels(tree->levels);
+    uint64_t const octets = octets_above(tree, bottom), cubes = bottom >= 0 ? tree->octets[bottom].count : 0;
+    uint64_t const bytes = bvxi_states_bytes(tree, tree->levels);
+    bvxi_states_job job = {0};
+    unsigned char *block;
+    bvx_status status;
+    if (octets + cubes >= UINT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_refine: %u voxels are split; 2^32 - 2 are possible", octets + cubes);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the boundary states", &block));
+    job.tree = tree;
+    job.up = up;
+    job.bottom = bottom;
+    job.nx = tree->base[0];
+    job.ny = tree->base[1];
+    job.nz = tree->base[2];
+    job.row_words = tree->row_words;
+    for (int32_t l = 0; l < bottom; l++) job.first[l + 1] = job.first[l] + tree->octets[l].count;
+    job.cubes = (bvxi_cube_news *)(void *)block;
+    job.passed = (uint64_t *)(void *)(job.cubes + cubes);
+    job.list = (uint32_t *)(void *)(job.passed + tree->root.words);
+    job.row_list = job.list + octets + cubes;
+    job.news = (bvxi_octet_news *)(void *)(job.row_list + tree->root.count);
+    job.row_in_list = (uint8_t *)(job.news + octets);
+    memset(job.passed, 0, (size_t)tree->root.words * 8);
+    memset(job.row_in_list, 0, (size_t)tree->root.count);
+    status = find_states(ctx, &job);
+    bvxi_free(ctx, block, bytes);
+    return status;
+}

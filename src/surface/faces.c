@@ -1,0 +1,287 @@
+/* faces.c - the faces between set and empty voxels as a mesh: bvx_extract_faces.
+ *
+ * Idea: a face lies between two voxels of which one is set, and a corner belongs to a face exactly when its eight voxels are
+ * not alike. So both are word operations on rows, and a corner's number is the rank of its bit. A first pass counts corners
+ * and faces of each row of corners, prefix sums give every row its place, a second pass writes.
+ * Guarantee: each exposed face once, outwards, vertices shared, canonical order; no thread shows in it. */
+#include "surface/faces.h"
+#include "surface/march.h"
+#include "mesh/mesh.h"
+
+enum { FACE_GRAIN = 64 };
+
+static const bvx_faces_options faces_defaults = {0, BVX_F32, 0, 0, 0};
+
+void bvx_faces_options_init(bvx_faces_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &faces_defaults, sizeof faces_defaults);
+}
+
+/* ---- rows ---- */
+
+/* The four rows of voxels about a row of corners: (j - 1, k - 1), (j, k - 1), (j - 1, k), (j, k). */
+typedef struct face_voxels {
+    const uint64_t *row[4];
+} face_voxels;
+
+static face_voxels voxels_about(const bvxi_faces *f, int32_t j, int32_t k)
+{
+    face_voxels v;
+    for (int32_t n = 0; n < 4; n++) v.row[n] = bvxi_face_voxels(f, j - 1 + (n & 1), k - 1 + (n >> 1));
+    return v;
+}
+
+/* Corners of word w that are used. */
+static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, int32_t w)
+{
+    uint64_t any = 0, all = ~UINT64_C(0);
+    for (int32_t n = 0; n < 4; n++) {
+        uint64_t before, here = bvxi_face_word(f, v->row[n], w, &before);
+        any |= here | before;
+        all &= here & before;
+    }
+    return any & ~all;
+}
+
+/* Faces whose low corner is bit i of word w, by axis; behind: the voxels on their positive sides are the set ones. */
+static inline void faces_of_word(const bvxi_faces *f, const face_voxels *v, int32_t j, int32_t k, int32_t w, uint64_t face[3],
+                                 uint64_t *behind)
+{
+    uint64_t before, unused;
+    uint64_t const here = bvxi_face_word(f, v->row[3], w, &before);
+    uint64_t const below_y = bvxi_face_word(f, v->row[2], w, &unused), below_z = bvxi_face_word(f, v->row[1], w, &unused);
+    face[0] = j < f->grid->size[1] && k < f->grid->size[2] ? here ^ before : 0;
+    face[1] = k < f->grid->size[2] ? here ^ below_y : 0;
+    face[2] = j < f->grid->size[1] ? here ^ below_z : 0;
+    *behind = here;
+}
+
+static void corner_row(const bvxi_faces *f, uint64_t row, int32_t *j, int32_t *k)
+{
+    uint64_t const rows = (uint64_t)f->grid->size[1] + 1;
+    *j = (int32_t)(row % rows);
+    *k = (int32_t)(row / rows);
+}
+
+/* ---- counting ---- */
+
+static void count_face_row(bvxi_faces *f, uint64_t row)
+{
+    uint32_t corners = 0, faces = 0;
+    int32_t j, k;
+    corner_row(f, row, &j, &k);
+    face_voxels const v = voxels_about(f, j, k);
+    for (int32_t w = 0; w < f->words; w++) {
+        uint64_t const used = used_corners(f, &v, w);
+        uint64_t face[3], behind;
+        if (used == 0) continue;
+        corners += bvxi_popcount(used);
+        faces_of_word(f, &v, j, k, w, face, &behind);
+        for (int a = 0; a < 3; a++) faces += bvxi_popcount(face[a]);
+    }
+    f->rows[row].vertex = corners;
+    f->rows[row].face = faces;
+}
+
+static void count_face_piece(void *user, int32_t piece, int32_t worker)
+{
+    bvxi_faces *const f = user;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
+    for (uint64_t row = begin; row < end; row++) count_face_row(f, row);
+}
+
+bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f)
+{
+    if (f->vertex_count < UINT32_MAX && f->face_count < UINT32_MAX / 2) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_RANGE,
+                     "%s: the faces have %u vertices and %u triangles; 2^32 - 1 are possible, extract them by windows", f->function,
+                     f->vertex_count, 2 * f->face_count);
+}
+
+/* Counts become first numbers. */
+static bvx_status number_face_rows(bvx_context *ctx, bvxi_faces *f)
+{
+    f->vertex_count = f->face_count = 0;
+    for (uint64_t row = 0; row < f->row_count; row++) {
+        f->vertex_count += f->rows[row].vertex;
+        f->face_count += f->rows[row].face;
+    }
+    BVXI_TRY(bvxi_faces_check_counts(ctx, f));
+    uint32_t vertex = 0, face = 0;
+    for (uint64_t row = 0; row <= f->row_count; row++) {
+        bvxi_face_row const n = f->rows[row]; /* the last one is zero */
+        f->rows[row].vertex = vertex;
+        f->rows[row].face = face;
+        vertex += n.vertex;
+        face += n.face;
+    }
+    return BVX_OK;
+}
+
+/* ---- writing ---- */
+
+/* Four rows of corners that faces from one row reach: (j, k), (j + 1, k), (j, k + 1), (j + 1, k + 1). */
+typedef struct face_reach {
+    face_voxels voxels[4];
+    uint32_t first[4]; /* number of the word's first vertex */
+    uint64_t used[4];
+} face_reach;
+
+static void open_face_reach(const bvxi_faces *f, uint64_t row, int32_t j, int32_t k, face_reach *c)
+{
+    for (int32_t n = 0; n < 4; n++) {
+        uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
+        c->voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
+        c->first[n] = at < f->row_count ? f->rows[at].vertex : 0; /* beyond the last rows there are no faces to ask */
+    }
+}
+
+/* The number of corner `bit` of row n; the next corner along x of the same face has the next number. */
+static inline uint32_t corner_number(const face_reach *c, int32_t n, int32_t bit)
+{
+    return c->first[n] + bvxi_popcount(c->used[n] & ((UINT64_C(1) << bit) - 1));
+}
+
+static uint32_t *put_faces_at(const face_reach *c, const uint64_t face[3], uint64_t behind, int32_t bit, uint32_t *out)
+{
+    uint32_t const low = corner_number(c, 0, bit);
+    int const positive = (behind >> bit & 1) == 0; /* the set voxel lies on the negative side: outwards is the positive one */
+    if ((face[0] >> bit & 1) != 0) {
+        bvxi_put_face(out, low, corner_number(c, 1, bit), corner_number(c, 3, bit), corner_number(c, 2, bit), positive);
+        out += 6;
+    }
+    if ((face[1] >> bit & 1) != 0) { /* y: seen from its positive side z comes before x */
+        uint32_t const back = corner_number(c, 2, bit);
+        bvxi_put_face(out, low, back, back + 1, low + 1, positive);
+        out += 6;
+    }
+    if ((face[2] >> bit & 1) != 0) {
+        uint32_t const up = corner_number(c, 1, bit);
+        bvxi_put_face(out, low, low + 1, up + 1, up, positive);
+        out += 6;
+    }
+    return out;
+}
+
+static void emit_face_row(const bvxi_faces *f, uint64_t row)
+{
+    uint32_t *out = f->mesh->triangles + 6 * (size_t)f->rows[row].face;
+    face_reach c;
+    int32_t j, k;
+    if (f->rows[row].vertex == f->rows[row + 1].vertex) return;
+    corner_row(f, row, &j, &k);
+    double const y = bvxi_corner_along(f, 1, j), z = bvxi_corner_along(f, 2, k);
+    open_face_reach(f, row, j, k, &c);
+    for (int32_t w = 0; w < f->words; w++) {
+        uint64_t face[3], behind, any;
+        for (int32_t n = 0; n < 4; n++) c.used[n] = used_corners(f, &c.voxels[n], w);
+        bvxi_put_corners(f, c.used[0], w, c.first[0], y, z);
+        faces_of_word(f, &c.voxels[0], j, k, w, face, &behind);
+        any = face[0] | face[1] | face[2];
+        for (; any != 0; any &= any - 1) out = put_faces_at(&c, face, behind, bvxi_lowest(any), out);
+        for (int32_t n = 0; n < 4; n++) c.first[n] += bvxi_popcount(c.used[n]);
+    }
+}
+
+static void emit_face_piece(void *user, int32_t piece, int32_t worker)
+{
+    const bvxi_faces *const f = user;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
+    for (uint64_t row = begin; row < end; row++) emit_face_row(f, row);
+}
+
+bvx_status bvxi_faces_open_mesh(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
+{
+    BVXI_TRY(bvxi_mesh_open(ctx, f->function, f->options.position_type, 0, f->vertex_count, 2 * f->face_count, mesh));
+    if (f->options.local_frame) memcpy(mesh->frame, f->grid->lattice.origin, sizeof mesh->frame);
+    f->mesh = mesh;
+    return BVX_OK;
+}
+
+/* ---- the calls ---- */
+
+static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid, const bvx_faces_options *given)
+{
+    const bvx_faces_options *const o = &f->options;
+    BVXI_TRY(bvxi_take_options(ctx, f->function, given, &f->options, sizeof f->options));
+    BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
+    if (o->position_type != BVX_F32 && o->position_type != BVX_F64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither BVX_F32 nor BVX_F64", f->function,
+                         (int64_t)o->position_type);
+    if ((o->merged & ~1) != 0 || (o->local_frame & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: merged and local_frame are 0 or 1", f->function);
+    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", f->function);
+    f->grid = grid;
+    for (int32_t a = 0; a < 3; a++) {
+        f->spacing[a] = grid->lattice.spacing[a];
+        f->origin[a] = o->local_frame ? 0.0 : grid->lattice.origin[a];
+    }
+    return o->position_type == BVX_F32 ? bvxi_check_f32(ctx, f->function, grid, f->origin) : BVX_OK;
+}
+
+static bvx_status single_faces(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
+{
+    uint64_t const bytes = (f->row_count + 1) * sizeof *f->rows;
+    bvx_status status;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the rows' numbers", &f->rows));
+    status = bvxi_parallel(ctx, "faces", 0.0, 0.3, f->pieces, count_face_piece, f);
+    if (status == BVX_OK) status = number_face_rows(ctx, f);
+    if (status == BVX_OK && mesh != NULL) {
+        int const mine = mesh->positions == NULL;
+        status = bvxi_faces_open_mesh(ctx, f, mesh);
+        if (status == BVX_OK) {
+            status = bvxi_parallel(ctx, "faces", 0.3, 1.0, f->pieces, emit_face_piece, f);
+            if (status != BVX_OK && mine) bvx_mesh_free(ctx, mesh);
+            else if (status != BVX_OK) mesh->vertex_count = mesh->triangle_count = 0;
+        }
+    }
+    bvxi_free(ctx, f->rows, bytes);
+    return status;
+}
+
+/* Count, and make the mesh unless it is NULL. */
+static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid, const bvx_faces_options *options, bvx_mesh *mesh)
+{
+    uint64_t empty_bytes;
+    uint64_t *empty;
+    bvx_status status;
+    f->options = faces_defaults;
+    BVXI_TRY(check_faces(ctx, f, grid, options));
+    f->words = grid->size[0] / BVXI_WORD_BITS + 1;
+    f->row_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
+    f->pieces = bvxi_piece_count(f->row_count, FACE_GRAIN);
+    empty_bytes = (uint64_t)grid->words_per_row * 8;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, empty_bytes, "an empty row", &empty));
+    f->empty_row = empty;
+    status = f->options.merged ? bvxi_faces_merge(ctx, f, mesh) : single_faces(ctx, f, mesh);
+    bvxi_free(ctx, empty, empty_bytes);
+    return status;
+}
+
+bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options, uint64_t *vertex_count,
+                           uint64_t *triangle_count)
+{
+    bvxi_faces f;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    memset(&f, 0, sizeof f);
+    f.function = "bvx_faces_count";
+    if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, f.function, "a count");
+    BVXI_TRY(run_faces(context, &f, grid, options, NULL));
+    *vertex_count = f.vertex_count;
+    *triangle_count = 2 * f.face_count;
+    return BVX_OK;
+}
+
+bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options, bvx_mesh *mesh)
+{
+    bvxi_faces f;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    memset(&f, 0, sizeof f);
+    f.function = "bvx_extract_faces";
+    if (mesh == NULL) return bvxi_fail_null(context, f.function, "mesh");
+    return run_faces(context, &f, grid, options, mesh);
+}

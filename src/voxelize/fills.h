@@ -1,0 +1,35 @@
+/* fills.h - the rules that fill more than rows: votes of axes, floods, regions, terrain. Not installed. */
+#ifndef BVXI_FILLS_H
+#define BVXI_FILLS_H
+
+#include "voxelize/solid.h"
+
+enum { BVXI_MOST_GAP = 65535 };
+
+/* vote.c: solid's words become the vote. sure: words of the same shape (scratch), left with the centres whose rows along x, y
+ * and z balance and agree; with want_clear also those that see the mesh within a quarter of all directions from a whole number of
+ * turns. Local. Scratch: one turned grid, 3 bytes a row, and where there are holes holes.h and sheet.h. */
+bvx_status bvxi_vote(bvx_context *ctx, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure, double from,
+                     double to, bvx_solid_report *report);
+
+/* regions.c, flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one. solid and surface
+ * cover the whole lattice. */
+bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure, bvx_grid *solid,
+                        bvx_solid_report *report);
+/* Closing gaps adds to surface. *leaked: 1 when the flood reached every centre off the surface, though the vote has some of them surely inside. */
+bvx_status bvxi_flood(bvx_context *ctx, const char *function, bvx_grid *surface, const uint64_t *sure, int32_t close_gaps,
+                      bvx_grid *solid, bvx_solid_report *report, int32_t *leaked);
+
+/* close_gaps.c: put to the words of grid what a cube of gap + 1 voxels a side cannot reach when it moves through empty voxels,
+ * also beyond the window. Scratch: one more grid. */
+bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap);
+
+/* below.c. second_job: options->second made ready, or NULL. Local. */
+bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job, const bvx_voxelize_options *options,
+                      bvx_grid *solid, bvx_solid_report *report);
+
+/* shell.c: the conservative surface of a mesh over the window of solid, in scratch words, and how many voxels it has. */
+bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *shell, uint64_t *voxels);
+void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell);
+
+#endif

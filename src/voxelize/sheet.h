@@ -1,0 +1,42 @@
+/* sheet.h - how much of all directions a sheet over the holes of a mesh covers. Not installed. */
+#ifndef BVXI_SHEET_H
+#define BVXI_SHEET_H
+
+#include "voxelize/holes.h"
+
+/* What the sheet over points i .. j of a loop is from far off; kept for the point halfway. [Units: the largest spacing] */
+typedef struct bvxi_sheet_node {
+    double centre[3], radius; /* a ball that holds all points i .. j */
+    double normal[3];         /* half the cross products: area times direction */
+    double area;              /* of its triangles, each by itself */
+    double length;            /* of the edges from i to j */
+    double chord;             /* from i to j */
+} bvxi_sheet_node;
+
+typedef struct bvxi_sheet {
+    const bvxi_holes *holes;
+    const int32_t *xyz;    /* snapped, in the order x y z */
+    double *point;         /* x, y, z of each [Size: holes->points * 3] [Units: the largest spacing] */
+    bvxi_sheet_node *node; /* [Size: holes->points] */
+    uint32_t *order;       /* loops, neighbours near each other [Size: holes->loops] */
+    bvxi_sheet_node *group; /* of the loops order[i] .. order[j - 1], at i + (j - i) / 2; length and chord stay 0 */
+    double scale[3];       /* fixed point to these units */
+    double step[3];        /* one voxel */
+    int32_t fraction_bits;
+} bvxi_sheet;
+
+/* Scratch: 104 bytes a point, 92 a loop. */
+bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped, const bvx_lattice *lattice,
+                           bvxi_sheet *sheet);
+void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet);
+
+/* The sheet's solid angle at the displaced centre of a voxel of the lattice, in turns (a closed sheet has 1 inside). */
+typedef struct bvxi_sheet_answer {
+    int32_t odd;   /* 1: the nearest whole number is odd */
+    int32_t same;  /* so many voxels to either side along x have the same, but for crossings of the sheet on the way */
+    int32_t clear; /* the whole number is nearer than a quarter here and in so many voxels less one to either side; 0: maybe not */
+} bvxi_sheet_answer;
+
+bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *sheet, int32_t x, int32_t y, int32_t z);
+
+#endif

@@ -1,0 +1,121 @@
+/* touch_cells.h - which of the two by two by two voxels about a lattice point, or of three by three by three, a triangle
+ * misses: loops without branches, in doubles that hold every number. Not installed.
+ *
+ * Voxels are bits: octants s_x + 2 s_y + 4 s_z, cells x + 3 y + 9 z. The triangle's box reaches all of them along the axes
+ * that are looked at, so the projections and the plane alone decide. The edges of a projection without area run to and fro,
+ * so they bound it on both sides.
+ *
+ * Octants. Corners are relative to the point, within 2^16. The triangle lies within the eight voxels, so an octant may be
+ * taken as endless: an edge misses it when it has the point outside and no way into the octant leads inside.
+ * Cells. Corners are relative to the middle of the middle cell, within 1.5 * 2^16, the cube's side being S = 3 * 2^16.
+ * Components of the normal are below S^2, products with corners below S^3 / 2, a sum of two at most S^3 < 2^53, and the sum of
+ * three is a determinant of numbers up to S / 2: below S^3 / 2. What is added from cell to cell is a multiple of 2^F below
+ * S^3 and exact; the last sum may be rounded, which leaves its sign. */
+#ifndef BVXI_TOUCH_CELLS_H
+#define BVXI_TOUCH_CELLS_H
+
+#include "core/core.h"
+
+/* Voxels in the halves and thirds along x, y, z. */
+static const int64_t bvxi_octant_half[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0}};
+static const int64_t bvxi_cell_third[3][3] = {
+    {0x1249249, 0x2492492, 0x4924924}, {0x01c0e07, 0x0e07038, 0x70381c0}, {0x00001ff, 0x003fe00, 0x7fc0000}};
+
+/* ---- octants ---- */
+
+/* Octants that an edge (au, av) -> (bu, bv) of a projection leaves outside; turn is +1 or -1, the sign of the area. */
+BVXI_VECTOR_INLINE int64_t bvxi_edge_octants(double au, double av, double bu, double bv, double turn, int64_t u0, int64_t u1,
+                                             int64_t v0, int64_t v1)
+{
+    double const at = (au * bv - av * bu) * turn, du = (av - bv) * turn, dv = (bu - au) * turn; /* at the point, and slopes */
+    int64_t const u = (du > 0 ? 0 : u1) | (du < 0 ? 0 : u0), v = (dv > 0 ? 0 : v1) | (dv < 0 ? 0 : v0);
+    return at < 0 ? u & v : 0;
+}
+
+/* Octants that the projection of a triangle onto axes u, v misses. */
+BVXI_VECTOR_INLINE int64_t bvxi_projection_octants(const double a[3], const double b[3], const double c[3], int u, int v)
+{
+    double const area = (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
+    double const turn = area < 0 ? -1.0 : 1.0;
+    int64_t const u0 = bvxi_octant_half[u][0], u1 = bvxi_octant_half[u][1];
+    int64_t const v0 = bvxi_octant_half[v][0], v1 = bvxi_octant_half[v][1];
+    return bvxi_edge_octants(a[u], a[v], b[u], b[v], turn, u0, u1, v0, v1) |
+           bvxi_edge_octants(b[u], b[v], c[u], c[v], turn, u0, u1, v0, v1) |
+           bvxi_edge_octants(c[u], c[v], a[u], a[v], turn, u0, u1, v0, v1);
+}
+
+/* Octants that the plane misses: on its positive side those along which all slopes grow, else the opposite ones. */
+BVXI_VECTOR_INLINE int64_t bvxi_plane_octants(const double a[3], const double b[3], const double c[3])
+{
+    double const nx = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+    double const ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
+    double const nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    double const at = -(nx * a[0] + ny * a[1] + nz * a[2]);
+    int64_t const up = ((nx > 0 ? 0 : 0x55) | (nx < 0 ? 0 : 0xaa)) & ((ny > 0 ? 0 : 0x33) | (ny < 0 ? 0 : 0xcc)) &
+                       ((nz > 0 ? 0 : 0x0f) | (nz < 0 ? 0 : 0xf0));
+    int64_t const down = ((nx < 0 ? 0 : 0x55) | (nx > 0 ? 0 : 0xaa)) & ((ny < 0 ? 0 : 0x33) | (ny > 0 ? 0 : 0xcc)) &
+                         ((nz < 0 ? 0 : 0x0f) | (nz > 0 ? 0 : 0xf0));
+    return (at > 0 ? up : 0) | (at < 0 ? down : 0);
+}
+
+/* ---- three by three by three ---- */
+
+/* An edge's value at the best corner of each cell of the middle column, and from column to column. */
+typedef struct bvxi_cell_edge {
+    double row[3], step;
+} bvxi_cell_edge;
+
+BVXI_VECTOR_INLINE bvxi_cell_edge bvxi_cell_edge_of(double au, double av, double bu, double bv, double turn, double side)
+{
+    double const du = (av - bv) * turn * side, dv = (bu - au) * turn * side;
+    bvxi_cell_edge e;
+    e.row[1] = (au * bv - av * bu) * turn + 0.5 * ((du < 0 ? -du : du) + (dv < 0 ? -dv : dv));
+    e.row[0] = e.row[1] - dv;
+    e.row[2] = e.row[1] + dv;
+    e.step = du;
+    return e;
+}
+
+/* Cells that the projection of a triangle onto axes u, v misses; side is 2^F. */
+BVXI_VECTOR_INLINE int64_t bvxi_projection_cells(const double a[3], const double b[3], const double c[3], int u, int v, double side)
+{
+    double const area = (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
+    double const turn = area < 0 ? -1.0 : 1.0;
+    bvxi_cell_edge const ab = bvxi_cell_edge_of(a[u], a[v], b[u], b[v], turn, side);
+    bvxi_cell_edge const bc = bvxi_cell_edge_of(b[u], b[v], c[u], c[v], turn, side);
+    bvxi_cell_edge const ca = bvxi_cell_edge_of(c[u], c[v], a[u], a[v], turn, side);
+    int64_t missed = 0;
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++) {
+            double const n = i - 1, x = ab.row[j] + n * ab.step, y = bc.row[j] + n * bc.step, z = ca.row[j] + n * ca.step;
+            double const xy = x < y ? x : y, least = xy < z ? xy : z;
+            missed |= least < 0 ? bvxi_cell_third[u][i] & bvxi_cell_third[v][j] : 0;
+        }
+    return missed;
+}
+
+/* Cells of a layer z that the plane misses: its value in the cell's middle is larger than what it changes from there to a
+ * corner. across: how far the value has changed from layer to layer. */
+BVXI_VECTOR_INLINE int64_t bvxi_plane_layer(double at, double sx, double sy, double across, double reach, int k)
+{
+    int64_t missed = 0;
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++) {
+            double const value = at + ((double)(i - 1) * sx + (double)(j - 1) * sy + across);
+            missed |= (value < 0 ? -value : value) > reach ? (int64_t)1 << (i + 3 * j + 9 * k) : 0;
+        }
+    return missed;
+}
+
+BVXI_VECTOR_INLINE int64_t bvxi_plane_cells(const double a[3], const double b[3], const double c[3], double side)
+{
+    double const nx = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+    double const ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
+    double const nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    double const at = -(nx * a[0] + ny * a[1] + nz * a[2]), sx = nx * side, sy = ny * side, sz = nz * side;
+    double const reach = 0.5 * ((sx < 0 ? -sx : sx) + (sy < 0 ? -sy : sy) + (sz < 0 ? -sz : sz));
+    return bvxi_plane_layer(at, sx, sy, -sz, reach, 0) | bvxi_plane_layer(at, sx, sy, 0.0, reach, 1) |
+           bvxi_plane_layer(at, sx, sy, sz, reach, 2);
+}
+
+#endif

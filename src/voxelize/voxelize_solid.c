@@ -1,0 +1,177 @@
+/* voxelize_solid.c - the voxels whose centres lie inside a mesh: bvx_voxelize_solid and its rules.
+ *
+ * Everything is checked first. Then the rule fills the grid (solid.c for rows, vote.c, flood.c, regions.c, below.c), the shell
+ * is added and the edges are counted where asked. */
+#include "voxelize/fills.h"
+
+#include <math.h>
+
+static const char solid_name[] = "bvx_voxelize_solid";
+static const bvx_voxelize_options voxelize_defaults = {
+    0, BVX_FILL_PARITY, 0, {{0, 0, 0}, {0, 0, 0}}, NULL, 0, 0, 0, 2, -(double)INFINITY, NULL};
+
+void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &voxelize_defaults, sizeof voxelize_defaults);
+}
+
+/* ---- What is asked ---- */
+
+static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const char *rule)
+{
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s goes with the rule %s alone", solid_name, option, rule);
+}
+
+static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
+{
+    int const below = o->fill == BVX_FILL_BELOW;
+    if (o->fill < BVX_FILL_PARITY || o->fill > BVX_FILL_BELOW)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: fill rule %d is unknown", solid_name, (int64_t)o->fill);
+    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", solid_name);
+    if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps is %d; 0 to %d are possible", solid_name, (int64_t)o->close_gaps,
+                         (int64_t)BVXI_MOST_GAP);
+    if ((o->add_shell & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: add_shell is %d, not 0 or 1", solid_name, (int64_t)o->add_shell);
+    if ((o->check_edges & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_edges is %d, not 0 or 1", solid_name, (int64_t)o->check_edges);
+    if (o->axis < 0 || o->axis > 2) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: axis is %d, not 0, 1 or 2", solid_name, (int64_t)o->axis);
+    if (o->base != o->base) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: base is not a number", solid_name);
+    if (o->close_gaps != 0 && o->fill != BVX_FILL_FLOOD) return refuse_for_rule(ctx, "close_gaps", "flood");
+    if (o->axis != 2 && !below) return refuse_for_rule(ctx, "axis", "below");
+    if (o->base != voxelize_defaults.base && !below) return refuse_for_rule(ctx, "base", "below");
+    if (o->second != NULL && !below) return refuse_for_rule(ctx, "second", "below");
+    if (o->add_shell && below) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the rule below has no shell to add", solid_name);
+    return BVX_OK;
+}
+
+static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, const bvx_voxelize_options *o, const bvx_window *window)
+{
+    if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
+    for (int32_t a = 0; a < 3; a++)
+        if (window->size[a] != lattice->dims[a])
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                             "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies outside; "
+                             "the rule vote takes windows",
+                             solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");
+    return BVX_OK;
+}
+
+static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                  const bvx_voxelize_options *given, bvx_voxelize_options *o, bvx_window *window)
+{
+    BVXI_TRY(bvxi_take_options(ctx, solid_name, given, o, sizeof *o));
+    BVXI_TRY(check_choices(ctx, o));
+    BVXI_TRY(bvxi_view_check(ctx, solid_name, mesh));
+    if (mesh->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", solid_name);
+    if (o->second != NULL) {
+        BVXI_TRY(bvxi_view_check(ctx, solid_name, o->second));
+        if (o->second->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the second mesh has no triangles", solid_name);
+    }
+    BVXI_TRY(bvxi_lattice_check(ctx, solid_name, lattice));
+    BVXI_TRY(bvxi_window_take(ctx, solid_name, lattice, &o->window, window));
+    return check_whole(ctx, lattice, o, window);
+}
+
+/* ---- The rules ---- */
+
+static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o, bvx_grid *solid, bvx_solid_report *report)
+{
+    bvxi_solid_job second;
+    bvx_status status;
+    if (o->second == NULL) return bvxi_below(ctx, job, NULL, o, solid, report);
+    BVXI_TRY(bvxi_solid_open(ctx, solid_name, o->second, &solid->lattice, &second));
+    status = bvxi_below(ctx, job, &second, o, solid, report);
+    bvxi_solid_close(ctx, &second);
+    return status;
+}
+
+static bvx_status flood_or_fail(bvx_context *ctx, bvx_grid *shell, const uint64_t *sure, int32_t close_gaps, bvx_grid *solid,
+                                bvx_solid_report *report)
+{
+    int32_t leaked = 0;
+    BVXI_TRY(bvxi_flood(ctx, solid_name, shell, sure, close_gaps, solid, report, &leaked));
+    if (!leaked) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_EMPTY,
+                     "%s: the flood reached every centre off the surface, also %u that lie inside by all three axes: the surface has "
+                     "holes or leaves the lattice; close gaps of more than %d voxels, or use the rule regions or vote",
+                     solid_name, report->leaks, (int64_t)close_gaps);
+}
+
+/* The fills that look at more than rows: a vote first. */
+static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o, bvx_grid *solid,
+                               bvx_solid_report *report)
+{
+    uint64_t const bytes = bvxi_grid_words(solid) * 8;
+    uint64_t *sure = NULL;
+    bvx_grid shell = {0};
+    bvx_status status;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
+    status = bvxi_vote(ctx, job, o->fill != BVX_FILL_VOTE, solid, sure, 0.1, 1.0, report);
+    if (status == BVX_OK && o->fill != BVX_FILL_VOTE) {
+        status = bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels);
+        if (status == BVX_OK && o->fill == BVX_FILL_REGIONS) status = bvxi_regions(ctx, solid_name, &shell, sure, solid, report);
+        if (status == BVX_OK && o->fill == BVX_FILL_FLOOD) status = flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report);
+        bvxi_shell_close(ctx, &shell);
+    }
+    bvxi_free(ctx, sure, bytes);
+    return status;
+}
+
+static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o, bvx_grid *solid,
+                               bvx_solid_report *report)
+{
+    bvxi_solid_job job;
+    bvx_status status;
+    BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
+    if (o->fill <= BVX_FILL_NONZERO) status = bvxi_solid_fill(ctx, &job, solid, 0, o->fill, 0.1, 1.0, report);
+    else if (o->fill == BVX_FILL_BELOW) status = fill_below(ctx, &job, o, solid, report);
+    else status = fill_by_vote(ctx, &job, o, solid, report);
+    bvxi_solid_close(ctx, &job);
+    return status;
+}
+
+/* ---- What comes after ---- */
+
+static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_grid *solid, bvx_solid_report *report)
+{
+    uint64_t const words = bvxi_grid_words(solid);
+    bvx_grid shell;
+    BVXI_TRY(bvxi_shell_open(ctx, mesh, solid, &shell, &report->surface_voxels));
+    for (uint64_t i = 0; i < words; i++) solid->words[i] |= shell.words[i];
+    bvxi_shell_close(ctx, &shell);
+    return BVX_OK;
+}
+
+static bvx_status count_edges(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_solid_report *report)
+{
+    bvx_certificate c;
+    BVXI_TRY(bvx_mesh_check(ctx, mesh, 1, &c));
+    report->boundary_edges = c.boundary_edges;
+    report->flipped_edges = c.flipped_edges;
+    return BVX_OK;
+}
+
+bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                              const bvx_voxelize_options *options, bvx_grid *solid)
+{
+    bvx_voxelize_options o = voxelize_defaults;
+    bvx_solid_report report = {0};
+    bvx_window window;
+    bvx_grid made;
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (solid == NULL) return bvxi_fail_null(context, solid_name, "solid");
+    BVXI_TRY(check_arguments(context, mesh, lattice, options, &o, &window));
+    made = *solid;
+    BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
+    status = fill_by_rule(context, mesh, &o, &made, &report);
+    if (status == BVX_OK && o.add_shell) status = add_the_shell(context, mesh, &made, &report);
+    if (status == BVX_OK && o.check_edges) status = count_edges(context, mesh, &report);
+    if (status != BVX_OK) {
+        if (solid->words == NULL) bvx_grid_free(context, &made);
+        return status;
+    }
+    *solid = made;
+    if (o.report != NULL) *o.report = report;
+    return BVX_OK;
+}

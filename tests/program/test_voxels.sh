@@ -1,0 +1,408 @@
+#!/bin/sh
+# test_voxels.sh [PROGRAM] - surfaces, rules that fill, faces of voxels and refinement by the bitvox program: voxelize, faces,
+# refine, and the rules in lod and render. PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or
+# "not ok NAME"; the last line is "N passed, N failed[, N skipped]". Runs in the repository's root, works in a folder of its own.
+set -u
+program=${1:-${BITVOX:-build/bitvox}}
+case $program in
+/*) ;;
+*) program=$PWD/$program ;;
+esac
+root=$PWD
+knot=$root/fixtures/knot.ply
+meshes=$root/../shared/meshes
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM
+cd "$work" || exit 1
+passed=0 failed=0 skipped=0
+
+ok() { passed=$((passed + 1)); echo "ok $1"; }
+not_ok() { # NAME, WHY
+    failed=$((failed + 1))
+    echo "not ok $1"
+    echo "# $2"
+    sed 's/^/#   /' err | head -n 5
+}
+skip() { skipped=$((skipped + 1)); echo "ok $1 # SKIP $2"; }
+has() { command -v "$1" >/dev/null 2>&1; }
+
+: >out
+: >err
+: >before
+: >after
+run() { # ARGUMENTS...: sets $status; out and err hold what was said
+    "$program" "$@" >out 2>err </dev/null
+    status=$?
+}
+
+holds() { # NAME, COMMAND...: the command succeeds
+    holds_name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then ok "$holds_name"; else not_ok "$holds_name" "failed: $*"; fi
+}
+
+works() { # NAME, ARGUMENTS...: status 0 and no word on standard error
+    works_name=$1
+    shift
+    run "$@"
+    if [ $status = 0 ] && [ ! -s err ]; then ok "$works_name"; else not_ok "$works_name" "status $status"; fi
+}
+
+warns() { # WORDS, ARGUMENTS...: status 0 and a warning with these words
+    words=$1
+    shift
+    run "$@"
+    if [ $status = 0 ] && ! grep -v -q '^bitvox: warning: ' err && grep -q -F -e "$words" err; then ok "warned: $*"
+    else not_ok "warned: $*" "status $status, wanted a warning with '$words'"; fi
+}
+
+# What must hold after a refusal: the status, one line on standard error with these words, nothing else anywhere.
+refuses() { # STATUS, WORDS, ARGUMENTS...
+    want=$1 words=$2
+    shift 2
+    name="refused ($want): $(printf '%s ' "$@" | sed "s|$root/||g" | tr -d '\n' | cut -c 1-90)"
+    ls -A >before
+    run "$@"
+    ls -A >after
+    if [ $status != "$want" ]; then not_ok "$name" "status $status"
+    elif [ "$(wc -l <err)" -ne 1 ]; then not_ok "$name" "$(wc -l <err) lines on standard error"
+    elif ! grep -q '^bitvox: ' err; then not_ok "$name" "no 'bitvox: ' before the message"
+    elif ! grep -q -F -e "$words" err; then not_ok "$name" "no '$words' in the message"
+    elif [ -s out ]; then not_ok "$name" "something on standard output"
+    elif ! cmp -s before after; then not_ok "$name" "the folder changed: $(diff before after | tr '\n' ' ')"
+    else ok "$name"; fi
+}
+
+says() { grep -q -E -e "$1" out; } # PATTERN
+set_of() { "$program" info "$1" 2>/dev/null | awk '$1 == "voxels" { print $2 }'; }
+differ() { ! cmp -s "$1" "$2"; }
+sets() { # COUNT, ARGUMENTS...: voxelize sets so many voxels, whatever it warns of
+    sets_count=$1
+    shift
+    run voxelize "$@" -o sets.bvx
+    if [ $status = 0 ] && [ "$(set_of sets.bvx)" = "$sets_count" ]; then ok "$sets_count voxels: $*"
+    else not_ok "$sets_count voxels: $*" "status $status, $(set_of sets.bvx) voxels"; fi
+}
+inside() { # NAME, A, B: every voxel of A is one of B
+    run compare "$2" "$3"
+    if [ $status = 0 ] && says '^  (only in A +none|the same)$'; then ok "$1"; else not_ok "$1" "$(cat out)"; fi
+}
+same() { # NAME, A, B
+    run compare "$2" "$3"
+    if [ $status = 0 ] && says '^  the same$'; then ok "$1"; else not_ok "$1" "$(cat out)"; fi
+}
+
+# The report of a command, by python3: every expression over r is true. Warnings are the expression's matter.
+reports() { # NAME, EXPRESSION, ARGUMENTS...
+    reports_name=$1 expression=$2
+    shift 2
+    if ! has python3; then
+        skip "$reports_name" 'python3 is missing'
+        return
+    fi
+    "$program" "$@" --json >out 2>err </dev/null
+    if python3 -c 'import json, sys
+r = json.load(open("out"))
+sys.exit(not (r["status"] == "done" and eval("(" + sys.argv[1] + ")")))' "$expression" 2>>err; then ok "$reports_name"
+    else not_ok "$reports_name" "$expression: $(head -c 300 out)"; fi
+}
+
+# ---- inputs of our own ----
+
+# The sides of a box of eight corners, z before y before x, round each side; numbers grow by the argument.
+low_x='4 1 5
+4 5 8'
+others='1 3 2
+1 4 3
+5 6 7
+5 7 8
+1 2 6
+1 6 5
+2 3 7
+2 7 6
+3 4 8
+3 8 7'
+sides() { awk -v n="$1" '{ print "f", $1 + n, $2 + n, $3 + n }'; }
+corners() { # LOW, HIGH X, HIGH Y, HIGH Z
+    for z in "$1" "$4"; do printf 'v %s %s %s\nv %s %s %s\nv %s %s %s\nv %s %s %s\n' "$1" "$1" "$z" "$2" "$1" "$z" "$2" "$3" "$z" "$1" "$3" "$z"; done
+}
+{ corners 0 2 1 1; echo "$others" | sides 0; echo "$low_x" | sides 0; } >box.obj
+{ corners 0 2 1 1; echo "$others" | sides 0; } >open.obj
+{ corners 0 2 1 1; echo "$others" | sides 0; echo "$low_x" | sides 0 | tail -n 1; } >half.obj
+{ corners 0 2 1 1; echo "$others" | sides 0; echo '4 5 1
+4 5 8' | sides 0; } >flipped.obj
+{ corners 0 16 16 16; corners 6 10 10 10; { echo "$others"; echo "$low_x"; } >all; sides 0 <all; sides 8 <all; } >nested.obj
+flat() { # HEIGHT, HIGH X
+    printf 'v 0 0 %s\nv %s 0 %s\nv %s 4 %s\nv 0 4 %s\nf 1 2 3\nf 1 3 4\n' "$1" "$2" "$1" "$2" "$1" "$1"
+}
+flat 1 4 >ground.obj
+flat 3 4 >upper.obj
+flat 3 2 >part.obj
+printf 'v 0 0 1\nv 4 0 3\nv 4 4 3\nv 0 4 1\nf 1 2 3\nf 1 3 4\n' >slope.obj
+awk '$1 == "v" { print "v", $4, $2, $3; next } { print }' ground.obj >wall.obj
+
+# ---- surfaces ----
+
+# Sides lie on planes between voxels, so closed boxes on either side touch them: 10 x 6 x 6 less 6 x 2 x 2.
+sets 336 box.obj --mode conservative --spacing 0.25 --padding 2
+for mode in conservative thin sampled; do
+    works "voxelize --mode $mode" voxelize "$knot" -o $mode.bvx --mode $mode --resolution 70
+    holds "$mode is told" says "^  surface +$mode$"
+    works "$mode on one thread" voxelize "$knot" -o again.bvx --mode $mode --resolution 70 --threads 1
+    holds "$mode: threads do not show" cmp $mode.bvx again.bvx
+    works "a window of $mode" voxelize "$knot" -o direct.bvx --mode $mode --resolution 70 --window 5,6,7,60,50,20
+    works "a part of $mode" convert $mode.bvx -o again.bvx --window 5,6,7,60,50,20
+    holds "$mode: a window holds the bits of the whole" cmp direct.bvx again.bvx
+done
+inside 'thin is a part of conservative' thin.bvx conservative.bvx
+inside 'sampled is a part of conservative' sampled.bvx conservative.bvx
+holds 'thin is less' test "$(set_of thin.bvx)" -lt "$(set_of conservative.bvx)"
+works 'sampled again' voxelize "$knot" -o again.bvx --mode sampled --resolution 70
+holds 'the mean subdivision coefficient is told' says '^  samples +[0-9]+ of [0-9]+ triangles, mean subdivision coefficient [0-9]+\.[0-9]+$'
+reports 'voxelize --mode sampled --json' 'r["surface"]["mode"] == "sampled" and r["surface"]["samples"] > r["surface"]["triangles"] > 0
+    and r["surface"]["mean_subdivision"] >= 1 and "solid" not in r and r["warnings"] == []' voxelize "$knot" -o x.bvx --mode sampled --resolution 70
+reports 'voxelize --mode thin --json' 'r["surface"] == {"mode": "thin"} and r["set"] > 0' voxelize "$knot" -o x.bvx --mode thin --resolution 70
+reports 'an open mesh has a surface' 'r["set"] > 0 and r["warnings"] == []' voxelize ground.obj -o x.bvx --mode conservative --spacing 1
+rm -f x.bvx
+for option in '--fill parity' '--close-gaps 2' --add-shell --check-edges --compare-fills '--base 1' "--second $knot" '--up z'; do
+    # shellcheck disable=SC2086
+    refuses 2 'is for solids' voxelize "$knot" -o x.bvx --mode thin $option
+done
+refuses 2 'one of: solid, conservative, thin, sampled' voxelize "$knot" -o x.bvx --mode thick
+
+# ---- rules ----
+
+for rule in parity nonzero vote flood regions; do
+    works "voxelize --fill $rule" voxelize "$knot" -o $rule.bvx --fill $rule --resolution 70
+    holds "$rule is told" says "^  fill +$rule$"
+    works "$rule on one thread" voxelize "$knot" -o again.bvx --fill $rule --resolution 70 --threads 1
+    holds "$rule: threads do not show" cmp $rule.bvx again.bvx
+    [ $rule = parity ] || holds "on a closed mesh $rule is parity" cmp $rule.bvx parity.bvx
+done
+# A hollow in a block: 16 x 16 x 16, less 4 x 4 x 4.
+for rule in parity vote regions; do sets 4032 nested.obj --spacing 1 --padding 2 --fill $rule; done
+sets 4096 nested.obj --spacing 1 --padding 2 --fill nonzero
+# The flood leaves the hollow to the solid, but voxels of its surface vote: 4 x 4 x 4 less 2 x 2 x 2 stay empty.
+sets 4040 nested.obj --spacing 1 --padding 2 --fill flood
+reports 'regions are counted' 'r["solid"]["fill"] == "regions" and r["solid"]["regions"] == 3 and r["solid"]["mixed_regions"] == 0
+    and r["solid"]["mixed_voxels"] == 0 and r["warnings"] == []' voxelize nested.obj -o x.bvx --spacing 1 --padding 2 --fill regions
+# One side of the box is missing: every row along x lacks a crossing.
+sets 128 box.obj --spacing 0.25 --padding 2
+warns '16 of 64 rows do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2
+sets 128 open.obj --spacing 0.25 --padding 2 --fill vote
+# Half a side is missing: some rows along x do.
+for rule in vote regions; do sets 8192 half.obj --spacing 0.0625 --padding 2 --fill $rule; done
+warns 'rows do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2 --fill vote
+warns 'regions are not on one side' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --fill regions
+reports 'mixed regions are counted' 'r["solid"]["mixed_regions"] == 1 == r["solid"]["regions"] and r["solid"]["mixed_voxels"] > 0
+    and len(r["warnings"]) == 2' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --fill regions
+rm -f x.bvx
+refuses 1 'the surface has holes' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --fill flood
+sets 8192 half.obj --spacing 0.0625 --padding 2 --fill flood --close-gaps 16
+reports 'closed gaps are counted' 'r["solid"]["closed_voxels"] > 0 and r["solid"]["surface_voxels"] > 0 and r["solid"]["leaks"] == 0' \
+    voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --fill flood --close-gaps 16
+# Solid and shell: what either has.
+sets 360 box.obj --spacing 0.25 --padding 2 --add-shell
+sets 360 box.obj --spacing 0.25 --padding 2 --add-shell --fill flood
+works 'closed edges' voxelize box.obj -o x.bvx --spacing 0.25 --check-edges
+holds 'no edge is open' says '^  edges +0 with one triangle, 0 between flipped ones$'
+reports 'open edges' 'r["solid"]["boundary_edges"] == 4 and r["solid"]["flipped_edges"] == 0' voxelize open.obj -o x.bvx --spacing 0.25 --check-edges
+reports 'flipped edges' 'r["solid"]["boundary_edges"] == 0 and r["solid"]["flipped_edges"] == 3' voxelize flipped.obj -o x.bvx --spacing 0.25 --check-edges
+reports 'edges only when asked for' '"boundary_edges" not in r["solid"]' voxelize box.obj -o x.bvx --spacing 0.25
+rm -f x.bvx
+refuses 2 '--close-gaps needs --fill flood' voxelize box.obj -o x.bvx --close-gaps 3
+refuses 2 '--close-gaps needs --fill flood' voxelize box.obj -o x.bvx --close-gaps 3 --fill regions
+for rule in flood regions; do refuses 2 'needs the whole lattice' voxelize box.obj -o x.bvx --fill $rule --window 0,0,0,2,2,2; done
+refuses 2 'one of: parity, nonzero, vote, flood, regions, below' voxelize box.obj -o x.bvx --fill all
+
+works 'voxelize --compare-fills' voxelize "$knot" -o x.bvx --resolution 70 --compare-fills
+holds 'rules: a row each' test "$(grep -c -E '^    (parity|nonzero|vote|flood|regions) +[0-9]+$' out)" = 5
+holds 'rules: they are one on a closed mesh' says '^  they differ on 0 voxels beside the '
+reports 'a hollow splits the rules' 'r["fills"]["set"] == {"parity": 4032, "nonzero": 4096, "vote": 4032, "flood": 4040, "regions": 4032}
+    and r["fills"]["disagreeing"] == 8 and r["fills"]["flood_leaked"] is False and r["fills"]["lost_voxels"] == 0' voxelize nested.obj -o x.bvx --spacing 1 --padding 2 --compare-fills
+reports 'a hole lets the flood in' 'r["fills"]["flood_leaked"] is True and r["fills"]["disagreeing"] > 0' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --compare-fills
+holds 'which is told' sh -c "'$program' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --compare-fills --progress none 2>err | grep -q 'flood .*the flood came in'"
+reports 'unless gaps are closed' 'r["fills"]["flood_leaked"] is False' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --compare-fills --close-gaps 16
+{ corners 0 8 8 0.1; echo "$others" | sides 0; echo "$low_x" | sides 0; } >sheet.obj
+reports 'a lost wall' 'r["set"] == 0 and r["fills"]["lost_places"] == 1 and r["fills"]["lost_voxels"] >= 64' voxelize sheet.obj -o x.bvx --spacing 1 --compare-fills
+rm -f x.bvx
+refuses 2 '--compare-fills needs the whole lattice' voxelize box.obj -o x.bvx --compare-fills --window 0,0,0,2,2,2
+refuses 2 'no use with --fill below' voxelize ground.obj -o x.bvx --compare-fills --fill below
+
+# ---- below ----
+
+sets 16 ground.obj --spacing 1 --fill below --base 0
+sets 48 ground.obj --spacing 1 --fill below --base -2
+holds 'columns are told' says '^  columns +16 under the surface$'
+sets 0 ground.obj --spacing 1 --fill below --base 5
+sets 16 wall.obj --spacing 1 --fill below --base 0 --up x
+sets 32 ground.obj --spacing 1 --fill below --second upper.obj
+holds 'fill is told' says '^  fill +32 voxels, volume 32$'
+sets 32 upper.obj --spacing 1 --fill below --second ground.obj
+holds 'cut is told' says '^  cut +32 voxels, volume 32$'
+sets 16 ground.obj --spacing 1 --fill below --second part.obj
+reports 'cut and fill in JSON' 'r["solid"]["columns"] == 32 and r["solid"]["cut_voxels"] == 0 and r["solid"]["fill_voxels"] == 128
+    and r["solid"]["fill_volume"] == 16 and r["lattice"]["dims"] == [8, 8, 4] and r["warnings"] == []' \
+    voxelize ground.obj -o x.bvx --spacing 0.5 --fill below --second part.obj
+reports 'the lattice goes down to the base' 'r["lattice"]["dims"] == [4, 4, 3] and r["lattice"]["origin"] == [0, 0, -2]' \
+    voxelize ground.obj -o x.bvx --spacing 1 --fill below --base -2
+rm -f x.bvx
+for option in '--base 1' '--second upper.obj' '--up z'; do
+    # shellcheck disable=SC2086
+    refuses 2 'needs --fill below' voxelize ground.obj -o x.bvx $option
+done
+refuses 2 'no use with --fill below' voxelize ground.obj -o x.bvx --fill below --add-shell
+refuses 2 'not standard input' voxelize ground.obj -o x.bvx --fill below --second -
+refuses 2 'is a grid' voxelize ground.obj -o x.bvx --fill below --second sets.bvx
+refuses 1 'missing.obj: ' voxelize ground.obj -o x.bvx --fill below --second missing.obj
+refuses 2 'a number' voxelize ground.obj -o x.bvx --fill below --base deep
+refuses 2 'one of: x, y, z' voxelize ground.obj -o x.bvx --fill below --up w
+
+# ---- rules in lod and render ----
+
+warns 'rows do not balance' lod open.obj -o l_%d.ply --levels 16 --fill vote --samples 0
+run info l_0.ply
+holds 'lod --fill vote closes the box' says '^  closed +yes'
+works 'lod --fill nonzero' lod nested.obj -o l_%d.ply --levels 16 --fill nonzero --samples 0 --quiet
+run info l_0.ply
+holds 'lod --fill nonzero fills the hollow' says '^  components +1,'
+works 'lod --fill vote' lod nested.obj -o l_%d.ply --levels 16 --fill vote --samples 0 --quiet
+run info l_0.ply
+holds 'lod --fill vote keeps it' says '^  components +2,'
+works 'lod --fill flood' lod "$knot" -o l_%d.ply --levels 16 --fill flood --close-gaps 1 --samples 0
+works 'lod of a terrain' lod slope.obj -o l_%d.ply --levels 8 --fill below --samples 0 --padding 8 --quiet
+run info l_0.ply
+holds 'what is under a terrain is closed' says '^  closed +yes$'
+refuses 2 '--close-gaps needs --fill flood' lod nested.obj -o x_%d.ply --close-gaps 2
+refuses 2 'is for meshes' lod sets.bvx -o x_%d.ply --close-gaps 2
+rm -f l_0.ply
+for rule in parity flood regions vote; do works "render --fill $rule" render nested.obj -o $rule.png --voxels 32 --fill $rule --cut x=8 --size 80x60; done
+holds 'render: the hollow shows by vote' cmp parity.png vote.png
+holds 'render: and by regions' cmp parity.png regions.png
+holds 'render: not by flood' differ parity.png flood.png
+refuses 2 '--fill needs --voxels' render nested.obj -o x.png --fill vote
+refuses 2 '--close-gaps needs --fill flood' render nested.obj -o x.png --voxels 20 --close-gaps 2
+
+# ---- faces ----
+
+works 'voxels of a box' voxelize box.obj -o box.npy --spacing 0.25 --padding 1
+works 'faces of a grid' faces box.npy -o box.ply
+holds 'faces are told' says '^  faces +160$'
+holds 'so are triangles' says '^  triangles +320 of 162 vertices$'
+holds 'and the volume' says '^  volume +2$'
+run info box.ply
+holds 'faces are closed' says '^  closed +yes$'
+holds 'faces are oriented' says '^  oriented +yes$'
+works 'merged faces' faces box.npy -o merged.ply --merge
+holds 'a box has six sides' says '^  rectangles +6$'
+holds 'merged faces have the same volume' says '^  volume +2$'
+works 'faces of a mesh' faces box.obj -o direct.ply --spacing 0.25 --padding 1
+holds 'faces of a mesh are those of its grid' cmp direct.ply box.ply
+works 'faces of the knot' faces "$knot" -o knot.off --resolution 40 --fill vote
+works 'on one thread' faces "$knot" -o again.off --resolution 40 --fill vote --threads 1
+holds 'faces: threads do not show' cmp knot.off again.off
+reports 'faces --json' 'r["command"] == "faces" and r["set"] == 128 and r["meshes"][0]["triangles"] == 12 and abs(r["meshes"][0]["volume"] - 2) < 1e-9
+    and "faces" in [s["name"] for s in r["stages"]]' faces box.npy -o x.ply --merge
+for format in obj stl glb; do works "faces to $format" faces box.npy -o x.$format; done
+rm -f x.*
+warns 'rows do not balance' faces open.obj -o x.ply --spacing 0.25 --fill vote
+rm -f x.*
+for option in '--resolution 5' '--spacing 1' '--padding 1' '--fill vote' '--close-gaps 1'; do
+    # shellcheck disable=SC2086
+    refuses 2 'is for meshes' faces box.npy -o x.ply $option
+done
+refuses 2 'no mesh format that is written' faces box.npy -o x.vti
+refuses 1 'there are no faces' faces ground.obj -o x.ply
+
+# ---- refine ----
+
+works 'refine' refine "$knot" -o knot.vtu --levels 3
+holds 'refine: a row a level' test "$(grep -c -E '^ +[0-3]  [0-9]+x[0-9]+x[0-9]+ ' out)" = 4
+holds 'refine: leaves and their share' says '^[0-9]+ leaves in place of [0-9]+ voxels of one size, [0-9.]+ %'
+holds 'refine: a .vtu' sh -c 'head -c 400 knot.vtu | grep -q "VTKFile.*UnstructuredGrid"'
+works 'refine on one thread' refine "$knot" -o again.vtu --levels 3 --threads 1
+holds 'refine: threads do not show' cmp knot.vtu again.vtu
+reports 'refine --json' 'r["octree"]["levels"] == 3 and max(r["octree"]["base"]) == 8 and max(r["lattice"]["dims"]) == 64 and len(r["octree"]["level"]) == 4
+    and r["octree"]["leaves"] == r["octree"]["surface"] + r["octree"]["inside"] + r["octree"]["outside"]
+    and all(a["split"] * 8 == b["voxels"] for a, b in zip(r["octree"]["level"], r["octree"]["level"][1:]))
+    and r["octree"]["level"][3]["split"] == 0 and r["octree"]["bytes"] > 0 and r["octree"]["uniform_voxels"] % 512 == 0 and "set" not in r' refine "$knot" -o x.vtu --levels 3
+works 'refine to a grid' refine "$knot" -o fine.bvx --levels 3
+works 'the same surface at once' voxelize "$knot" -o direct.bvx --mode conservative --resolution 64
+works 'the refined surface' refine "$knot" -o surface.bvx --levels 3 --states surface
+holds 'as many surface voxels as at once' test "$(set_of direct.bvx)" = "$(set_of surface.bvx)"
+works 'the same solid at once' voxelize "$knot" -o direct.bvx --fill flood --add-shell --resolution 64
+holds 'as many voxels as at once' test "$(set_of direct.bvx)" = "$(set_of fine.bvx)"
+works 'other bases, other levels' refine "$knot" -o again.bvx --base 16 --levels 2
+holds 'base and levels do not show in the voxels' test "$(set_of again.bvx)" = "$(set_of fine.bvx)"
+works 'the inside' refine "$knot" -o inner.bvx --levels 3 --states inside
+works 'the outside' refine "$knot" -o outer.bvx --levels 3 --states outside
+works 'all of it' refine "$knot" -o all.bvx --levels 3 --states outside,surface,inside
+run info all.bvx
+holds 'every voxel has a state' says ', 100 % of all$'
+holds 'every voxel has one state' test $(($(set_of inner.bvx) + $(set_of outer.bvx) + $(set_of surface.bvx))) = "$(set_of all.bvx)"
+works 'a lower level' refine "$knot" -o low.bvx --levels 3 --expand 1
+run info low.bvx
+holds 'it has its own lattice' says '^  dims +16 x '
+works 'no level at all' refine "$knot" -o low.bvx --levels 0 --base 20
+run info low.bvx
+holds 'the base alone' says '^  dims +20 x '
+works 'a fine window' refine "$knot" -o window.bvx --levels 3 --window 8,8,8,40,40,16
+works 'the window of the whole' convert fine.bvx -o part.bvx --window 8,8,8,40,40,16
+same 'a window is as fine as the whole' window.bvx part.bvx
+reports 'outside of it voxels are coarse' 'r["octree"]["level"][0]["surface"] > 0' refine "$knot" -o x.vtu --levels 3 --window 8,8,8,40,40,16
+reports 'or halved as often as asked for' 'r["octree"]["level"][0]["surface"] == r["octree"]["level"][1]["surface"] == 0 < r["octree"]["level"][2]["surface"]' \
+    refine "$knot" -o x.vtu --levels 3 --window 8,8,8,40,40,16 --outer-levels 2
+reports 'flat places are not halved' 'r["octree"]["level"][1]["surface"] + r["octree"]["level"][2]["surface"] > 0' refine "$knot" -o x.vtu --levels 3 --tolerance 0.05
+reports 'a hollow is inside' 'r["set"] == 16 ** 3 and r["octree"]["inside"] > 0 == r["octree"]["outside"]' refine nested.obj -o x.bvx --levels 2 --base 4
+rm -f x.*
+refuses 2 'no format that refine writes' refine "$knot" -o x.xyz
+refuses 2 'is a grid' refine fine.bvx -o x.vtu
+works 'refine to a mesh' refine "$knot" -o fine.ply --levels 3
+run info fine.ply
+holds 'the mesh of the last level is closed' says '^  closed +yes$'
+works 'the mesh of its grid' lod fine.bvx -o l_%d.ply --levels 64 --samples 0
+run info l_0.ply
+holds 'it is the surface of the expanded grid' test "$(awk '$1 == "triangles" { print $2 }' out)" = "$("$program" info fine.ply | awk '$1 == "triangles" { print $2 }')"
+works 'refine --leaves' refine "$knot" -o leaves.ply --levels 2 --leaves
+reports 'a box a leaf' 'r["octree"]["triangles"] == 12 * (r["octree"]["surface"] + r["octree"]["inside"])' refine "$knot" -o x.ply --levels 2 --leaves
+run info leaves.ply
+holds 'leaves have colours' says '^  colours +of vertices$'
+holds 'boxes are oriented' says '^  oriented +yes$'
+reports 'half of the leaves' '0 < r["octree"]["triangles"] < 12 * (r["octree"]["surface"] + r["octree"]["inside"])' refine "$knot" -o x.ply --levels 2 --leaves --cut z=0
+works 'leaves of a block' refine nested.obj -o blocks.ply --base 4 --levels 2 --leaves
+reports 'the volume of the leaves' 'abs(r["meshes"][0]["volume"] - 4096) < 1e-6' info blocks.ply
+rm -f x.*
+refuses 2 '--leaves makes a mesh' refine "$knot" -o x.vtu --leaves
+refuses 2 '--cut needs --leaves' refine "$knot" -o x.ply --cut z=0
+refuses 1 '--cut leaves nothing' refine "$knot" -o x.ply --levels 1 --leaves --cut z=-99
+refuses 1 'as boxes would take' refine "$knot" -o x.ply --levels 8 --leaves
+refuses 2 '--expand is for grids' refine "$knot" -o x.vtu --expand 2
+refuses 2 'beyond the last level' refine "$knot" -o x.bvx --expand 4 --levels 3
+refuses 2 'beyond the last level' refine "$knot" -o x.bvx --levels 3 --window 0,0,0,9,9,9 --outer-levels 4
+refuses 2 '--outer-levels needs --window' refine "$knot" -o x.vtu --outer-levels 2
+refuses 2 'one or more of outside, inside, surface' refine "$knot" -o x.vtu --states inner
+refuses 2 'one or more of' refine "$knot" -o x.vtu --states inside,inside
+refuses 2 'one or more of' refine "$knot" -o x.vtu --states inside,
+refuses 2 'from 0 to 25' refine "$knot" -o x.vtu --levels 26
+refuses 1 'levels fit' refine "$knot" -o x.vtu --levels 25 --base 8
+refuses 1 'MiB' refine "$knot" -o x.bvx --levels 9 --base 16
+refuses 1 'limit' refine "$knot" -o x.vtu --levels 9 --memory-limit 20M
+
+# ---- real meshes ----
+
+if [ -d "$meshes" ]; then
+    warns 'rows do not balance' voxelize "$meshes/bunny_scan_69451.ply.gz" -o bunny.bvx --fill vote --resolution 128
+    warns 'rows do not balance' voxelize "$meshes/bunny_scan_69451.ply.gz" -o again.bvx --fill regions --resolution 128
+    same 'holes of the scan join all regions, so each voxel votes' bunny.bvx again.bvx
+    works 'a real terrain' voxelize "$meshes/terrain_turbineSiting.stl.gz" -o terrain.bvx --fill below --base 900 --resolution 200
+    holds 'a real terrain has columns' says '^  columns +[0-9]{5} under the surface$'
+    works 'open sheets, many in one voxel' refine "$meshes/motorBike.obj.gz" -o bike.bvx --base 16 --levels 3 --states surface
+    works 'the same at once' voxelize "$meshes/motorBike.obj.gz" -o again.bvx --mode conservative --resolution 128
+    holds 'refined open sheets are those at once' test "$(set_of bike.bvx)" = "$(set_of again.bvx)"
+else
+    skip 'real meshes' '../shared/meshes is missing'
+fi
+
+echo "$passed passed, $failed failed$([ $skipped = 0 ] || echo ", $skipped skipped")"
+[ $failed = 0 ]
