@@ -11,10 +11,10 @@ int32_t bvxi_cross_exact(const bvxi_triangle *t, int32_t fraction_bits, int32_t 
         if (t->p[i][0] < least) least = t->p[i][0];
         if (t->p[i][0] > most) most = t->p[i][0];
     }
-    /* The row meets the plane inside the triangle, so the crossing lies between its ends along x. A centre at the far end
-     * may still not be beyond. */
+    /* The displaced row meets the plane inside the triangle, so the crossing lies between its ends along x; a centre at the far
+     * end is beyond then, as the plane falls off from there to where the row is. */
     low = bvxi_centres_below(least, fraction_bits);
-    high = bvxi_centres_below(t->beyond ? most : most + 1, fraction_bits);
+    high = bvxi_centres_below(most, fraction_bits);
     while (low < high) {
         int32_t const middle = low + (high - low) / 2;
         if (bvxi_beyond_plane(t, fraction_bits, middle, j, k)) high = middle;

@@ -52,6 +52,7 @@ static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_wor
         bvxi_spaces_each(&spaces, flood_run, work);
     }
     bvxi_free(ctx, work->reached, spaces.count);
+    work->reached = NULL;
     bvxi_spaces_free(&spaces);
     return status;
 }

@@ -49,16 +49,21 @@ static inline int fill_parity_at(const int64_t *q, const uint32_t *t, size_t cou
     return before % 2;
 }
 
+/* How far a centre is really moved, in fixed-point steps: little against a half voxel, much against rounding. Angles are
+ * then right to about 1 / 1000 where corners lie half voxels apart. */
+static const double fill_moved[3] = {1.0 / 64, 1.0 / 65536, 1.0 / 67108864}, fill_unmoved[3] = {0, 0, 0};
+
 /* Solid angle of all triangles in turns at a centre, by libm; *clear 0 when the centre lies in or near one of them. */
-static inline double fill_turns_at(const int64_t *q, const uint32_t *t, size_t count, const int64_t c[3], const double scale[3],
-                                   int *clear)
+static inline double fill_turns_at(const int64_t *q, const uint32_t *t, size_t count, const int64_t c[3], const double moved[3],
+                                   const double scale[3], int *clear)
 {
     double turns = 0;
     *clear = 1;
     for (size_t i = 0; i < count; i++) {
         double v[3][3], l[3], det, den, dot[3];
         for (int k = 0; k < 3; k++) {
-            for (int a = 0; a < 3; a++) v[k][a] = (double)(q[3 * (size_t)t[3 * i + (size_t)k] + (size_t)a] - c[a]) * scale[a];
+            for (int a = 0; a < 3; a++)
+                v[k][a] = ((double)(q[3 * (size_t)t[3 * i + (size_t)k] + (size_t)a] - c[a]) - moved[a]) * scale[a];
             l[k] = sqrt(v[k][0] * v[k][0] + v[k][1] * v[k][1] + v[k][2] * v[k][2]);
         }
         for (int k = 0; k < 3; k++) {

@@ -1,0 +1,297 @@
+/* test_fills.c - votes, floods, regions, terrains, comparisons, seeds and fills with every allocation failing once, cancelled at
+ * every progress call, under every memory limit and in arenas of every size. */
+#include "fault/context.h"
+#include "tools/mesh_maker.h"
+
+/* ---- Inputs, made once ---- */
+
+static maker_mesh closed, holes; /* holes: triangles missing and turned */
+static bvx_mesh_view closed_view, holes_view;
+static bvx_lattice lattice;
+static bvx_grid surface;
+static bvx_context *maker; /* what made them */
+
+static int make_inputs(void **state)
+{
+    static const double centre[3] = {11, 10, 9}, radius[3] = {9, 8, 7};
+    uint64_t seed = 4713;
+    bvx_context_options o = default_options();
+    (void)state;
+    o.threads = 1;
+    maker = context_with(&o);
+    maker_star(&closed, &seed, centre, radius, 0.2, 7, 11, 65536);
+    maker_star(&holes, &seed, centre, radius, 0.2, 7, 11, 65536);
+    for (int i = 0; i < 7; i++) maker_remove(&holes, (size_t)maker_below(&seed, (int32_t)holes.triangles));
+    maker_flip(&holes, 20, 40);
+    closed_view = maker_view(&closed);
+    holes_view = maker_view(&holes);
+    assert_int_equal(bvx_lattice_fit(maker, &closed_view, 24, &lattice), BVX_OK);
+    assert_int_equal(bvx_voxelize_surface(maker, &closed_view, &lattice, NULL, &surface), BVX_OK);
+    return 0;
+}
+
+static int free_inputs(void **state)
+{
+    (void)state;
+    bvx_grid_free(maker, &surface);
+    assert_int_equal(bvx_memory_used(maker), 0);
+    bvx_context_destroy(maker);
+    maker_free(&closed);
+    maker_free(&holes);
+    return 0;
+}
+
+/* ---- Fills: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+
+static uint64_t mark;   /* a hash of what the last good run made */
+static int left_behind; /* a failed call left something in a result */
+
+static bvx_status keep_grid(bvx_context *ctx, bvx_status status, bvx_grid *g)
+{
+    static const bvx_grid empty = {0};
+    if (status != BVX_OK) {
+        left_behind |= memcmp(g, &empty, sizeof *g) != 0;
+        return status;
+    }
+    assert_int_equal(bvx_grid_hash(ctx, g, &mark), BVX_OK);
+    bvx_grid_free(ctx, g);
+    return BVX_OK;
+}
+
+static bvx_status fill_by(bvx_context *ctx, const bvx_mesh_view *view, bvx_voxelize_options *o)
+{
+    bvx_grid g = {0};
+    bvx_status const status = bvx_voxelize_solid(ctx, view, &lattice, o, &g);
+    return keep_grid(ctx, status, &g);
+}
+
+static bvx_status vote(void *user, bvx_context *ctx)
+{
+    bvx_voxelize_options o;
+    (void)user;
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = BVX_FILL_VOTE;
+    o.check_edges = o.add_shell = 1;
+    return fill_by(ctx, &holes_view, &o);
+}
+
+static bvx_status regions(void *user, bvx_context *ctx)
+{
+    bvx_voxelize_options o;
+    (void)user;
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = BVX_FILL_REGIONS;
+    return fill_by(ctx, &holes_view, &o);
+}
+
+static bvx_status flood(void *user, bvx_context *ctx)
+{
+    bvx_voxelize_options o;
+    (void)user;
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = BVX_FILL_FLOOD;
+    o.close_gaps = 2;
+    return fill_by(ctx, &closed_view, &o);
+}
+
+static bvx_status below(void *user, bvx_context *ctx)
+{
+    bvx_voxelize_options o;
+    (void)user;
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = BVX_FILL_BELOW;
+    o.axis = 1;
+    o.base = 4;
+    o.second = &closed_view;
+    return fill_by(ctx, &holes_view, &o);
+}
+
+static bvx_status compare(void *user, bvx_context *ctx)
+{
+    static const bvx_fill_comparison untouched = {{0}, 0, 0, 0, 0, 0, 0, {0}};
+    bvx_compare_fills_options o;
+    bvx_fill_comparison c = untouched;
+    bvx_grid differ = {0}, lost = {0};
+    bvx_status status;
+    (void)user;
+    bvx_compare_fills_options_init(&o, sizeof o);
+    o.disagreeing = &differ;
+    o.lost = &lost;
+    o.close_gaps = 1;
+    status = bvx_compare_fills(ctx, &holes_view, &lattice, &o, &c);
+    left_behind |= status != BVX_OK && (memcmp(&c, &untouched, sizeof c) != 0 || differ.words != NULL || lost.words != NULL);
+    if (status == BVX_OK) mark = bvx_hash(&c, sizeof c, 0);
+    bvx_grid_free(ctx, &differ);
+    bvx_grid_free(ctx, &lost);
+    return status;
+}
+
+static bvx_status seed(void *user, bvx_context *ctx)
+{
+    static const bvx_seed untouched = {{0, 0, 0}, 0, 0, 0, {0}, 0, 0, {0}};
+    bvx_seed s = untouched;
+    bvx_status const status = bvx_find_seed(ctx, &surface, &holes_view, 0, &s);
+    (void)user;
+    left_behind |= status != BVX_OK && memcmp(&s, &untouched, sizeof s) != 0;
+    if (status == BVX_OK) mark = bvx_hash(&s, sizeof s, 0);
+    return status;
+}
+
+static bvx_status pockets(void *user, bvx_context *ctx)
+{
+    int32_t seeds[3 * 64];
+    uint64_t count = 0;
+    bvx_status status;
+    (void)user;
+    memset(seeds, 0, sizeof seeds);
+    status = bvx_find_pockets(ctx, &surface, &closed_view, seeds, 64, &count);
+    if (status == BVX_OK) mark = bvx_hash(seeds, sizeof seeds, count);
+    return status;
+}
+
+static bvx_status grid_fill(void *user, bvx_context *ctx)
+{
+    int32_t seeds[3 * 64];
+    uint64_t count = 0;
+    bvx_grid g = {0};
+    bvx_status status = bvx_find_pockets(ctx, &surface, NULL, seeds, 64, &count);
+    (void)user;
+    if (status != BVX_OK) return status;
+    status = bvx_grid_fill(ctx, &surface, seeds, count, 18, &g);
+    return keep_grid(ctx, status, &g);
+}
+
+typedef struct fill_kind {
+    const char *name;
+    fault_operation_fn *run;
+    uint64_t want; /* the mark of a good run */
+} fill_kind;
+
+static fill_kind fills[] = {
+    {"vote", vote, 0},       {"regions", regions, 0}, {"flood", flood, 0},     {"below", below, 0},
+    {"compare", compare, 0}, {"seed", seed, 0},       {"pockets", pockets, 0}, {"fill", grid_fill, 0},
+};
+enum { KINDS = sizeof fills / sizeof fills[0] };
+
+/* A good run always makes the same. */
+static bvx_status run_fill(void *user, bvx_context *ctx)
+{
+    const fill_kind *const f = user;
+    bvx_status const status = f->run(NULL, ctx);
+    if (status == BVX_OK && mark != f->want) left_behind = 2;
+    return status;
+}
+
+static fill_kind *take_fill(int i)
+{
+    left_behind = 0;
+    assert_int_equal(fills[i].run(NULL, maker), BVX_OK);
+    fills[i].want = mark;
+    return &fills[i];
+}
+
+static void assert_well(const fill_kind *f, const char *wrong)
+{
+    if (wrong != NULL) fail_msg("%s: %s", f->name, wrong);
+    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", f->name);
+    if (left_behind == 2) fail_msg("%s: another result than usual", f->name);
+}
+
+/* ---- Tests ---- */
+
+static void test_every_allocation_of_fills_fails_once(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < KINDS; i++) {
+            fill_kind *const f = take_fill(i);
+            uint64_t allocations = 0;
+            assert_well(f, fault_every_allocation(run_fill, f, &o, &allocations));
+            assert_true(allocations > 3);
+        }
+    }
+}
+
+static void test_fills_cancel_at_every_progress_call(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < KINDS; i++) {
+            fill_kind *const f = take_fill(i);
+            uint64_t calls = 0;
+            assert_well(f, fault_every_cancel(run_fill, f, &o, &calls));
+            assert_true(calls > 0);
+        }
+    }
+}
+
+static void test_fills_under_every_memory_limit(void **state)
+{
+    enum { STEPS = 60 };
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        fill_kind *const f = take_fill(i);
+        uint64_t need = bvx_memory_used(maker);
+        bvx_memory_reset_peak(maker);
+        assert_int_equal(run_fill(f, maker), BVX_OK);
+        assert_int_equal(bvx_memory_used(maker), need);
+        need = bvx_memory_peak(maker) - need;
+        for (uint64_t n = 0; n <= STEPS; n++) {
+            fault_heap heap = {0};
+            bvx_context_options const base = default_options();
+            bvx_context_options o = fault_options(&base, &heap);
+            bvx_context *ctx;
+            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
+            o.threads = 1;
+            ctx = context_with(&o);
+            assert_int_equal(run_fill(f, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
+            bvx_context_destroy(ctx);
+            assert_well(f, fault_end(&heap));
+        }
+    }
+}
+
+static void test_fills_live_in_an_arena(void **state)
+{
+    enum { STEPS = 40 };
+    size_t const most = (size_t)2 << 20;
+    unsigned char *const memory = malloc(most);
+    (void)state;
+    assert_non_null(memory);
+    for (int i = 0; i < KINDS; i++) {
+        fill_kind *const f = take_fill(i);
+        for (size_t n = 1; n <= STEPS; n++) {
+            bvx_context_options o = default_options();
+            bvx_context *ctx;
+            bvx_status first;
+            o.arena = memory;
+            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
+            o.threads = 1;
+            ctx = context_with(&o);
+            first = run_fill(f, ctx);
+            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
+            assert_int_equal(run_fill(f, ctx), first); /* all of it came back */
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            bvx_context_destroy(ctx);
+        }
+        assert_well(f, NULL);
+    }
+    free(memory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_allocation_of_fills_fails_once),
+        cmocka_unit_test(test_fills_cancel_at_every_progress_call),
+        cmocka_unit_test(test_fills_under_every_memory_limit),
+        cmocka_unit_test(test_fills_live_in_an_arena),
+    };
+    return cmocka_run_group_tests(tests, make_inputs, free_inputs);
+}
