@@ -180,6 +180,17 @@ up_to_date() {
     return 0
 }
 
+# The bundled meshes are what their generators write.
+fixtures_as_generated() {
+    for maker in make_fixture make_terrain; do
+        # shellcheck disable=SC2086
+        $CC -std=c99 -O1 $strict -ffp-contract=off tests/tools/$maker.c -o "$work/$maker" -lm || return 1
+    done
+    "$work/make_fixture" "$work/mesh.ply" && cmp "$work/mesh.ply" fixtures/knot.ply &&
+        "$work/make_terrain" before "$work/mesh.ply" && cmp "$work/mesh.ply" fixtures/terrain.ply &&
+        "$work/make_terrain" after "$work/mesh.ply" && cmp "$work/mesh.ply" fixtures/terrain_quarry.ply
+}
+
 # shellcheck disable=SC2086
 check 'header alone as C99' header_as $CC -std=c99
 check 'header alone as C99 by clang' header_as clang -std=c99
@@ -194,6 +205,7 @@ check 'core is freestanding' freestanding
 check 'core includes' includes
 check 'case table is what its generator prints' tables_as_generated
 check 'file names are unique' file_names_unique
+check 'fixtures are what their generators write' fixtures_as_generated
 check 'fast-math is refused' refuses_fast_math
 check 'functions of the header are exported' exports_the_header
 check 'exported symbols as stored' only_stored_symbols
