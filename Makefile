@@ -93,7 +93,7 @@ fault_tests := $(sort $(wildcard tests/fault/test_*.c))
 golden_tests := $(wildcard tests/golden/golden.c)
 fuzz_tests := $(sort $(wildcard tests/fuzz/fuzz_*.c))
 examples := $(sort $(wildcard tests/examples/*.c))
-bench_parts := tests/bench/bench.c tests/bench/parity_loop.c
+bench_parts := $(addprefix tests/bench/,bench.c bench_models.c parity_loop.c box_triangle_loop.c paper_refine.c)
 benches := $(filter-out $(bench_parts),$(sort $(wildcard tests/bench/*.c)))
 
 built = $(patsubst %.c,$(folder)/%$(1),$(2))
@@ -165,7 +165,7 @@ $(call built,.o,$(unit_tests)): | $(UNITY_DIR)/unity.c
 $(folder)/tests/unit/%: $(folder)/tests/unit/%.o $(folder)/unity.o $(archive)
 	$(link) $^ -o $@ $(libs)
 
-$(folder)/tests/bench/%: $(folder)/tests/bench/%.o $(call built,.o,$(bench_parts)) $(archive)
+$(call built,,$(benches)): %: %.o $(call built,.o,$(bench_parts)) $(archive)
 	$(link) $^ -o $@ $(libs)
 
 $(folder)/tests/%: $(folder)/tests/%.o $(archive)
@@ -242,7 +242,7 @@ san: ## unit, fault and fuzz tests under ASan and UBSan
 golden: $(call built,,$(golden_tests)) $(BUILD)/libbitvox.so ## recompute golden files and show what changed
 	@sh tests/tools/rewrite_golden.sh $(call built,,$(golden_tests)) $(BUILD)
 
-bench: bench-programs ## speed, memory and quality beside other libraries (pip, in build/bench/venv)
+bench: bench-programs program ## speed, memory and quality beside other libraries (pip, in build/bench/venv)
 	@BUILD=$(BUILD) BENCHES=$(folder)/tests/bench sh tests/bench/run.sh
 
 endif

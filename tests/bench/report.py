@@ -213,13 +213,26 @@ if os.path.exists(path("files.md")):
     say("", "## Files", "", "From bytes in memory to arrays, one thread. STL is welded by us, not by the raw readers.", "")
     with open(path("files.md")) as file:
         say(file.read().rstrip())
-if os.path.exists(path("voxels.md")):
-    say("", "## Surfaces, fills, refinement", "", "One thread. Targets: conservative within 2.5 times the solid at 512 on the dragon; refinement 8 by 6"
-        " within 3 times the uniform surface and flood, 71.5 % fewer voxels.", "")
-    with open(path("voxels.md")) as file:
-        say(file.read().rstrip())
+tables = (
+    ("voxels.md", "Surfaces of voxels, fills, the TIN paper's tables"),
+    ("peers_voxels.md", "Surfaces of voxels by others"),
+    ("fills.md", "Fills beside winding numbers"),
+    ("refine.md", "Refinement, and its paper's tables"),
+)
+if any(os.path.exists(path(name)) for name, _ in tables):
+    rows = []
+    for t in load_lines("voxels.jsonl") + load_lines("refine.jsonl"):
+        bound = "at most" if t["below"] else "at least"
+        rows.append((t["title"], f"{t['value']:.3g} {t['unit']}", f"{bound} {t['target']:g}", verdict(t["value"], t["target"], t["below"])))
+    say("", "## Voxels: targets")
+    table(("", "measured", "target", ""), rows)
+for name, title in tables:
+    if os.path.exists(path(name)):
+        say("", "## " + title, "")
+        with open(path(name)) as file:
+            say(file.read().rstrip())
 if os.path.exists(path("paper.md")):
-    say("", "## The paper's tables", "", "The paper's: one thread of an i7-4720HQ at 2.6 GHz, other copies of the models.")
+    say("", "## The LOD paper's tables", "", "The paper's: one thread of an i7-4720HQ at 2.6 GHz, other copies of the models.")
     say("Aphrodite is not to be had; Nefertiti stands for it and for the head. Totals and rates: the edge ratio, the paper's own.")
     with open(path("paper.md")) as file:
         say(file.read().rstrip())

@@ -7,12 +7,13 @@
 #     BENCH_RUNS=N          runs of each of our jobs [25]
 #     BENCH_PEERS=0         leave the other libraries out
 #     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
+#     BENCH_ONLY=voxels     surfaces of voxels, fills and refinement alone; their tables are then printed, without a report
 set -u
 cd "$(dirname "$0")/../.." || exit 1
-: "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}"
+: "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}" "${BENCH_ONLY:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -21,7 +22,6 @@ if [ ! -f "$mesh" ]; then
     exit 1
 fi
 mkdir -p "$out/ours"
-rm -rf "$out/peers" "$out/peers.json" "$out/judged.jsonl" "$out/report.md"
 load >"$out/load"
 
 # One package that cannot be installed leaves the others.
@@ -34,27 +34,56 @@ prepare_venv() {
     "$out/venv/bin/python" -c 'import numpy' 2>/dev/null && touch "$out/venv/complete"
 }
 
+# Warm memory for them as for us: glibc keeps what was freed instead of giving it back to the system.
+peer() { MALLOC_MMAP_MAX_=0 MALLOC_TRIM_THRESHOLD_=17179869184 "$python" "$@"; }
+
+# Sets python where there is one with the other libraries.
+python=
+find_python() {
+    if [ "$BENCH_PEERS" = 0 ]; then return; fi
+    python=$BENCH_PYTHON
+    if [ -z "$python" ]; then
+        if [ ! -f "$out/venv/complete" ]; then prepare_venv; fi
+        if [ -f "$out/venv/complete" ]; then python=$out/venv/bin/python; fi
+    fi
+    if [ -z "$python" ] || ! "$python" -c 'import numpy'; then
+        echo "missing: a Python environment with $packages, see $out/venv.log"
+        python=
+    fi
+}
+
+measure_voxels() {
+    rm -f "$out"/voxels* "$out"/refine* "$out"/peers_voxels.md "$out"/fills.md
+    echo "== surfaces of voxels, fills, the TIN paper's tables"
+    "$BENCHES/bench_voxels" "$MESHES" "$out" 9 >"$out/voxels.md" && cat "$out/voxels.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_voxels.py "$out" "$BENCHES/bench_voxels" "$MESHES"; fi
+    if [ -n "$python" ] && [ -f tests/bench/peers_fills.py ] && [ -x "$BUILD/bitvox" ]; then
+        "$python" tests/bench/peers_fills.py "$out" "$BUILD/bitvox" "$MESHES"
+    fi
+    echo "== refinement, and its paper's tables"
+    "$BENCHES/bench_refine" "$MESHES" "$out" 5 >"$out/refine.md" && cat "$out/refine.md"
+}
+
+find_python
+if [ "$BENCH_ONLY" = voxels ]; then
+    measure_voxels
+    cat "$out/voxels.jsonl" "$out/refine.jsonl"
+    load >>"$out/load"
+    exit 0
+fi
+rm -rf "$out/peers" "$out/peers.json" "$out/judged.jsonl" "$out/report.md"
+
 echo "== ours"
 "$BENCHES/bench_core" "$mesh" "$out" "$BENCH_RUNS" | tee "$out/core.txt"
 [ -s "$out/solid.json" ] || exit 1
 echo "== levels of detail: distance to the original, two-way in percent of the diagonal"
 "$BENCHES/bench_quality" ours "$mesh" "$out/ours" 2>&1 >"$out/ours.jsonl" | tee "$out/quality.txt"
 
-if [ "$BENCH_PEERS" != 0 ]; then
+if [ -n "$python" ]; then
     echo "== other libraries (least and median milliseconds, ours in turns with them)"
-    python=$BENCH_PYTHON
-    if [ -z "$python" ]; then
-        if [ ! -f "$out/venv/complete" ]; then prepare_venv; fi
-        if [ -f "$out/venv/complete" ]; then python=$out/venv/bin/python; fi
-    fi
-    if [ -n "$python" ] && "$python" -c 'import numpy'; then
-        # warm memory for them as for us: glibc keeps what was freed instead of giving it back to the system
-        MALLOC_MMAP_MAX_=0 MALLOC_TRIM_THRESHOLD_=17179869184 "$python" tests/bench/peers.py "$out" "$BENCHES/bench_turns"
-        if [ -d "$out/peers" ]; then
-            "$BENCHES/bench_quality" judge "$mesh" "$out"/peers/*.ply 2>&1 >"$out/judged.jsonl" | tee -a "$out/quality.txt"
-        fi
-    else
-        echo "missing: a Python environment with $packages, see $out/venv.log"
+    peer tests/bench/peers.py "$out" "$BENCHES/bench_turns"
+    if [ -d "$out/peers" ]; then
+        "$BENCHES/bench_quality" judge "$mesh" "$out"/peers/*.ply 2>&1 >"$out/judged.jsonl" | tee -a "$out/quality.txt"
     fi
 fi
 
@@ -62,12 +91,11 @@ echo "== files"
 mkdir -p "$out/files"
 rm -f "$out/files.md"
 "$BENCHES/bench_files" "$mesh" "$out" 9 >"$out/files.jsonl" && cat "$out/files.jsonl"
-if [ "$BENCH_PEERS" != 0 ] && [ -n "${python:-}" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$out/files.md"; fi
+if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$out/files.md"; fi
 
-echo "== surfaces, fills, refinement"
-"$BENCHES/bench_voxels" "$MESHES" 5 >"$out/voxels.md" && cat "$out/voxels.md"
+measure_voxels
 
-echo "== the paper's tables"
+echo "== the LOD paper's tables"
 "$BENCHES/bench_paper" "$MESHES" >"$out/paper.md" && echo "in $out/paper.md"
 load >>"$out/load"
 
