@@ -438,7 +438,7 @@ enum {
     BVX_FILL_VOTE = 2,    /**< the parities along x, y and z where they agree, else the majority of all directions: holes leave
                                no stripes and close smoothly */
     BVX_FILL_FLOOD = 3,   /**< what a flood from outside, through faces of voxels, cannot reach past the conservative surface:
-                               fills cavities; the surface's own voxels vote */
+                               fills cavities; the surface's own voxels vote, but around cavities */
     BVX_FILL_REGIONS = 4, /**< each region that the conservative surface leaves (connected through faces) is inside or outside as
                                a whole: keeps cavities; the surface's own voxels vote */
     BVX_FILL_BELOW = 5    /**< all that lies under a terrain, or between two */
@@ -455,8 +455,8 @@ typedef struct bvx_solid_report {
     uint64_t flipped_edges;   /**< check_edges: edges with two triangles that run along it in the same direction */
     uint64_t surface_voxels;  /**< flood, regions, add_shell: voxels of the conservative surface */
     uint64_t closed_voxels;   /**< flood: voxels that closing gaps added to it */
-    uint64_t leaks;           /**< flood: voxels off the surface (gaps closed) that the flood reached although all three axes have
-                                   them inside */
+    uint64_t leaks;           /**< flood: voxels off the surface (gaps closed) that the flood reached although they are surely
+                                   inside */
     uint64_t regions;         /**< regions: how many there are */
     uint64_t mixed_regions;   /**< regions: those that hold sure centres of both sides, or none */
     uint64_t mixed_voxels;    /**< regions: voxels of these; each kept its own vote */
@@ -501,8 +501,13 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  *          open edges (those of an odd number of triangles) have been taken for loops in the triangles' direction. No orientation
  *          of triangles plays a part but theirs. That angle is computed in doubles, the same everywhere, to 1e-8.
  * REGIONS  a region whose sure centres all lie on one side lies there as a whole; in one that has both (a hole joins them) or
- *          none each centre keeps its own vote, and the report counts it.
- * FLOOD    beyond the lattice is outside. Voxels of the surface, and those that closing gaps put to it, vote.
+ *          none each centre keeps its own vote, and the report counts it. Here and for FLOOD centres are sure also where that angle
+ *          lies within a quarter of a turn of a whole number: a side that is missing square to an axis leaves no row along it
+ *          that balances.
+ * FLOOD    beyond the lattice is outside. Voxels of the surface, and those that closing gaps put to it, vote. Where the flood sets
+ *          voxels that voted outside (a cavity), those of the surface around them that vote outside follow: each that is fewer
+ *          steps (to any of 26 neighbours that is of its kind) from these than from what the flood reached or the lattice's end.
+ *          Where it sets none, as on closed meshes whose outside it reaches everywhere, flood equals parity.
  * BELOW    each column of centres along axis is filled from base up to the highest crossing with the mesh; with second from
  *          the lower of the two meshes' highest crossings to the higher one, not below base. Columns that nothing covers stay
  *          empty. Overhangs are filled.
@@ -514,8 +519,9 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  * Memory: the grid, 16 bytes a vertex, 1 a row, 100 KiB for each 4096 triangles up to 6.3 MiB, 160 KiB a worker; rows
  * filled from lists (nonzero, or where rows do not balance): 8 bytes a row and 4 a crossing of theirs. VOTE: two more
  * grids; where there are holes 24 bytes a triangle and 12 a vertex, then about 200 an open edge. REGIONS, FLOOD: that, and what
- * bvx_voxelize_surface needs, its grid, 4 bytes a run of empty voxels and 16 for those of a slice and two rows; closing gaps:
- * a grid of close_gaps more voxels a side. BELOW: one more grid unless axis is 0, 4 bytes a column and mesh, a second mesh's
+ * bvx_voxelize_surface needs, its grid, 4 bytes a run of empty voxels and 16 for those of a slice and two rows; FLOOD: one
+ * more grid, 8 bytes a voxel of the surface that votes outside where there are cavities; closing gaps: a grid of close_gaps more
+ * voxels a side. BELOW: one more grid unless axis is 0, 4 bytes a column and mesh, a second mesh's
  * vertices and buffers. check_edges: as bvx_mesh_check.
  * Cost: O(vertices + triangles + crossings + words), VOTE three times that and, for centres that are not sure, up to
  * O(open edges) each, near O(log open edges) at a distance from holes; REGIONS, FLOOD: and that of bvx_voxelize_surface and
@@ -707,8 +713,8 @@ typedef struct bvx_refine_options {
     int32_t levels;      /**< how many times voxels are halved [Limit: 0..25, dims * 2^levels <= 2^25] [Default: 6] */
     int32_t start_level; /**< levels up to this one come from one grid of it, later ones from their parents' triangles; shows in
                               time and memory only [Limit: -1..levels] [Default: -1, chosen by size] */
-    bvx_window window;   /**< voxels of the last level; beyond it voxels are halved outer_levels times only; grows to whole voxels
-                              of that level [Default: all zero, the whole lattice] */
+    bvx_window window;   /**< voxels of the last level: from outer_levels on voxels are halved where they meet it alone
+                              [Default: all zero, the whole lattice] */
     int32_t outer_levels; /**< looked at with a window [Limit: 0..levels] [Default: 0] */
     int32_t reserved;
     double tolerance;    /**< a voxel whose triangles lie in whole within this distance of one plane is a leaf of the surface
@@ -731,8 +737,8 @@ BVX_API void bvx_refine_options_init(bvx_refine_options *options, size_t size);
  * With a window, or a tolerance, some of the touched voxels above the last level are leaves of the surface. A tolerance
  * guarantees that the surface within each of them lies within it of a plane; the flood takes them as walls. With a window
  * the surface in it is as without, and the unsplit voxels beyond it could hide passages from a flood: so inside is what the
- * rows say (bvx_voxelize_solid by parity, at the window's own voxels, and beyond it at those of outer_levels): cavities stay
- * empty, and meshes with holes are not for it.
+ * rows say (bvx_voxelize_solid by parity, by a voxel's own centre on the lattice of its level): cavities stay empty, and meshes
+ * with holes are not for it.
  *
  * base  the lattice of level 0; its fraction_bits are not looked at. bvx_lattice_fit(context, mesh, 8, &base) makes one
  * tree  out: *tree must be NULL; bvx_octree_free takes it back
@@ -741,13 +747,27 @@ BVX_API void bvx_refine_options_init(bvx_refine_options *options, size_t size);
  * the lattice, with the most levels that fit; 2^28 split voxels of a level), BVX_ERR_BUDGET (names the most levels that fit),
  * BVX_ERR_MEMORY, BVX_CANCELLED.
  * Memory: the tree (2 to 3.5 bytes a split voxel, and the base's bits twice), 16 bytes a vertex, 13 a split voxel, and for the two
- * finest levels that are split 20 a voxel and 5 for each triangle that touches it; a grid of up to 128 MiB. A window: its grid
- * and that of outer_levels, and what bvx_voxelize_solid needs.
+ * finest levels that are split 20 a voxel and 5 for each triangle that touches it; a grid of up to 128 MiB. A window: 8/7 of its
+ * grid and that of outer_levels, 72 bytes for each triangle whose rows come near it, and what bvx_voxelize_solid needs.
  * Cost: O(triangles of each split voxel + voxels).
  * Source: "Refinement of surface voxels by boundary states" 2.1 and 2.2, with a worklist in place of one traversal.
  */
 BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
                               const bvx_refine_options *options, bvx_octree **tree);
+
+/**
+ * Choose the base and the levels with which bvx_refine takes least time for a finest resolution, by a model of its time: from
+ * the triangles, their area and the voxels of every pair.
+ *
+ * resolution  voxels of the last level along the mesh's longest axis, at least: rounded up to whole voxels of the base
+ * options     in and out: its levels are set. The size of its window is looked at (a window wants a coarse base), and
+ *             tolerance (flat voxels stay as large as the base allows: 8 to 15 voxels)
+ * base        out: bvx_lattice_fit with fewer voxels
+ *
+ * Returns what bvx_lattice_fit returns. Memory: none. Cost: O(triangles). The same choice on every machine.
+ */
+BVX_API bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
+                                     bvx_refine_options *options, bvx_lattice *base);
 
 /** Return what bvx_refine allocated; NULL is allowed. */
 BVX_API void bvx_octree_free(bvx_context *context, bvx_octree *tree);
@@ -1040,17 +1060,25 @@ BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, in
 BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file);
 
 /**
- * Write the leaves of an octree in a set of states (0: surface and inside).
+ * Write an octree.
  *
+ * states          VTU: the leaves in a set of states (0: surface and inside); BVX: 0, all of the tree is written
+ * BVX_FORMAT_BVX  our own: all levels with their states, each with a checksum; bvx_read_octree reads it
  * BVX_FORMAT_VTU  VTK unstructured grid: voxels (cells of type 11) with cell data uint8 "level" and "state", in the order of
  *                 bvx_octree_leaves; corners are shared, f64 [Units: world]; raw appended
  *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no such leaf), BVX_ERR_RANGE (2^28 leaves or more, dims beyond 2^21 - 1),
- * BVX_ERR_UNSUPPORTED (no octree format), BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file, 16 bytes a leaf, and
- * 192 while corners are brought together.
+ * BVX_ERR_UNSUPPORTED (no octree format), BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file; VTU: and 16 bytes a
+ * leaf, and 192 while corners are brought together.
  */
 BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states, int32_t format,
                                     bvx_buffer *file);
+
+/** Read an octree from the bytes of a .bvx file that bvx_write_octree made. *tree must be NULL; bvx_octree_free takes it back.
+ *  Everything is checked before anything is allocated, and no file stands for more than its bytes.
+ *  Returns BVX_ERR_FORMAT (byte, and why), BVX_ERR_UNSUPPORTED (a newer version), BVX_ERR_ARGUMENT, BVX_ERR_MEMORY,
+ *  BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the tree. Cost: O(bytes). */
+BVX_API bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree);
 
 /**
  * Read a grid from the bytes of a file.

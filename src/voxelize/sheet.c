@@ -94,8 +94,9 @@ static void add_edge_change(const bvxi_sheet *s, uint64_t i, uint64_t j, const d
     if (d2 > 0) sum->change += sqrt(uu) / (4 * BVXI_PI * d2);
 }
 
-/* 1 when a part was far enough to be taken as a whole, whole loops or points i .. j of one. Its change: that of its own edge, which leaves the
- * rest of the sheet without one there; or that of all of it, and the rest has an edge from i to j, unless there is no rest. */
+/* 1 when a part was far enough to be taken as a whole, whole loops or points i .. j of one. Its change: that of its own edge,
+ * which leaves the rest of the sheet without one there; or that of all of it, and the rest has an edge from i to j, unless there
+ * is no rest. */
 static int add_far_part(const bvxi_sheet_node *n, int whole, const double at[3], sheet_sum *sum)
 {
     double const r[3] = {n->centre[0] - at[0], n->centre[1] - at[1], n->centre[2] - at[2]};
@@ -179,7 +180,7 @@ static int32_t safe_voxels(const bvxi_sheet *s, const sheet_sum *sum, double mar
     return way < 1073741824.0 ? (int32_t)way : 1073741824;
 }
 
-bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, int32_t x, int32_t y, int32_t z)
+bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, int32_t x, int32_t y, int32_t z, int32_t want_clear)
 {
     int64_t const step = (int64_t)1 << s->fraction_bits, half = step / 2;
     int64_t const p[3] = {x * step + half, y * step + half, z * step + half};
@@ -187,14 +188,18 @@ bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, int32_t x, int32_t y, in
     sheet_sum sum;
     double whole = 0, off = 0, margin = 0;
     for (int level = 0; level < 3 && margin <= 0; level++) {
+        double from_quarter;
         add_sheet(s, p, sheet_near[level], &sum);
         whole = floor(sum.turns + 0.5);
         off = sum.turns - whole; /* -1/2 .. 1/2 */
-        off = (off < 0 ? -off : off) + sum.error;
+        off = off < 0 ? -off : off;
+        from_quarter = off < 0.25 ? 0.25 - off : off - 0.25;
         margin = 0.5 - off;
+        if (want_clear && from_quarter < margin) margin = from_quarter;
+        margin -= sum.error;
     }
     answer.odd = floor(0.5 * whole) * 2 != whole;
+    answer.clear = want_clear && off < 0.25;
     answer.same = safe_voxels(s, &sum, margin);
-    answer.clear = off < 0.25 ? 1 + safe_voxels(s, &sum, 0.25 - off) : 0;
     return answer;
 }

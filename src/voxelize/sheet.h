@@ -64,10 +64,10 @@ int bvxi_touching_angle(const int32_t *const q[3], const int64_t p[3], const dou
 /* The sheet's solid angle at the displaced centre of a voxel of the lattice, in turns (a closed sheet has 1 inside). */
 typedef struct bvxi_sheet_answer {
     int32_t odd;   /* 1: the nearest whole number is odd */
-    int32_t same;  /* so many voxels to either side along x have the same, but for crossings of the sheet on the way */
-    int32_t clear; /* the whole number is nearer than a quarter here and in so many voxels less one to either side; 0: maybe not */
+    int32_t clear; /* 1: it is nearer than a quarter; only when asked for */
+    int32_t same;  /* so many voxels to either side along x have the same, odd but for crossings of the sheet on the way */
 } bvxi_sheet_answer;
 
-bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *sheet, int32_t x, int32_t y, int32_t z);
+bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *sheet, int32_t x, int32_t y, int32_t z, int32_t want_clear);
 
 #endif

@@ -29,7 +29,7 @@ typedef struct vote_work {
     uint64_t *even_y, *even_z; /* rows of bits along x: by z, those whose row along y balances; by y, along z */
     const bvxi_sheet *sheet;
     int32_t pieces;
-    int32_t want_clear;   /* 1: centres far from the sheet's best place become sure */
+    int32_t want_clear;   /* 1: centres clearly on one side of the sheet's best place become sure */
 } vote_work;
 
 /* ---- Three axes ---- */
@@ -105,14 +105,14 @@ static int drop_odd_rows(vote_work *w)
 }
 
 /* turned holds the parity of the sheet's crossings along x, solid that of the mesh's. Centres that are not sure change sides where
- * the two, and the sheet's way to where it covers half of all directions, say so. They become sure where that place is far. */
+ * the two, and the sheet's way to where it covers half of all directions, say so. They become sure where that place is clearly far. */
 static void move_sheet_row(const vote_work *w, uint64_t row)
 {
     const bvx_grid *const g = w->solid;
     size_t const first = (size_t)row * (size_t)g->words_per_row;
     int32_t const y = g->low[1] + (int32_t)(row % (uint64_t)g->size[1]), z = g->low[2] + (int32_t)(row / (uint64_t)g->size[1]);
-    int32_t until = 0, clear_until = 0; /* the answer holds for voxels before this */
-    uint64_t change = 0;
+    int32_t until = 0; /* the answer holds for voxels before this */
+    uint64_t change = 0, clear = 0;
     for (int32_t k = 0; k < g->words_per_row; k++) {
         uint64_t const crossed = w->turned[first + (size_t)k];
         uint64_t left = ~w->sure[first + (size_t)k] & (k + 1 == g->words_per_row ? bvxi_tail_mask(g->size[0]) : ~UINT64_C(0));
@@ -120,14 +120,14 @@ static void move_sheet_row(const vote_work *w, uint64_t row)
             int32_t const bit = bvxi_lowest(left), x = k * BVXI_WORD_BITS + bit;
             uint64_t run;
             if (x >= until) {
-                bvxi_sheet_answer const a = bvxi_sheet_turns(w->sheet, g->low[0] + x, y, z);
+                bvxi_sheet_answer const a = bvxi_sheet_turns(w->sheet, g->low[0] + x, y, z, w->want_clear);
                 change = ((crossed >> bit & 1) ^ (uint64_t)a.odd) != 0 ? ~UINT64_C(0) : 0;
+                clear = a.clear ? ~UINT64_C(0) : 0;
                 until = a.same < g->size[0] - x ? x + a.same + 1 : g->size[0];
-                clear_until = a.clear < g->size[0] - x ? x + a.clear : g->size[0];
             }
             run = left & bvxi_run_mask(0, until, k);
             g->words[first + (size_t)k] ^= run & change;
-            if (w->want_clear && clear_until > x) w->sure[first + (size_t)k] |= run & bvxi_run_mask(x, clear_until, k);
+            w->sure[first + (size_t)k] |= run & clear;
             left &= ~run;
         }
     }

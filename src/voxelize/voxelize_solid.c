@@ -92,8 +92,8 @@ static bvx_status flood_or_fail(bvx_context *ctx, bvx_grid *shell, const uint64_
     BVXI_TRY(bvxi_flood(ctx, solid_name, shell, sure, close_gaps, solid, report, &leaked));
     if (!leaked) return BVX_OK;
     return bvxi_fail(ctx, BVX_ERR_EMPTY,
-                     "%s: the flood reached every centre off the surface, also %u that lie inside by all three axes: the surface has "
-                     "holes or leaves the lattice; close gaps of more than %d voxels, or use the rule regions or vote",
+                     "%s: the flood reached every centre off the surface, also %u that are surely inside: the surface has holes or "
+                     "leaves the lattice; close gaps of more than %d voxels, or use the rule regions or vote",
                      solid_name, report->leaks, (int64_t)close_gaps);
 }
 
