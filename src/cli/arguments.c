@@ -149,6 +149,7 @@ static int take_value(const cli_argument *a, const char *text, cli_options *o)
     case CLI_NUMBER: return take_real(text, "", field, &rest);
     case CLI_SET: return take_set(a, text, field);
     case CLI_INT:
+        if (a->choice != NULL && take_choice(a, text, field)) return 1;
         if (!take_whole(text, "", a->low, a->high, &whole, &rest)) return 0;
         *(int32_t *)field = (int32_t)whole;
         return 1;
@@ -173,7 +174,10 @@ static void describe_value(const cli_argument *a, char *text, size_t room)
 {
     switch (a->kind) {
     case CLI_INT:
-    case CLI_LONG: snprintf(text, room, "a whole number from %.0f to %.0f", a->low, a->high); break;
+    case CLI_LONG:
+        snprintf(text, room, "a whole number from %.0f to %.0f", a->low, a->high);
+        for (int i = 0; a->choice != NULL && a->choice[i] != NULL; i++) snprintf(text + strlen(text), room - strlen(text), " or %s", a->choice[i]);
+        break;
     case CLI_REAL:
         if (a->least == 1) snprintf(text, room, "a number from %g to %g", a->low, a->high);
         else if (a->high <= 1.0) snprintf(text, room, "a number above %g and below %g", a->low, a->high);

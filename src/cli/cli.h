@@ -29,6 +29,7 @@ enum {
     CLI_COMPARE = 1 << 5,
     CLI_FACES = 1 << 6,
     CLI_REFINE = 1 << 7,
+    CLI_FILL = 1 << 8,
     CLI_ALL = 0x7fffffff
 };
 
@@ -103,7 +104,10 @@ typedef struct cli_options {
     int32_t merge;
     int32_t base_voxels, depth, outer_levels, expand, leaves;
     int32_t states;             /* BVX_STATE_... added */
-    double tolerance;
+    double adaptive;
+    cli_list seeds;             /* three numbers each */
+    const char *mesh;           /* the file of a surface's mesh */
+    int32_t connectivity;
 } cli_options;
 
 /* What voxelize sets: the solid, or 1 + BVX_SURFACE_... */
@@ -112,7 +116,7 @@ enum { CLI_MODE_SOLID = 0, CLI_MODE_CONSERVATIVE = 1, CLI_MODE_THIN = 2, CLI_MOD
 /* What a value is, and the type of its field: */
 typedef enum cli_kind {
     CLI_FLAG,   /* int32_t; no value */
-    CLI_INT,    /* int32_t, low to high */
+    CLI_INT,    /* int32_t, low to high; or one of the names, which stand for base, base + 1 .. */
     CLI_LONG,   /* int64_t, low to high */
     CLI_REAL,   /* double, above low and below high; with least 1: from low to high */
     CLI_TRIPLE, /* cli_triple */
@@ -248,13 +252,14 @@ int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
 
 /* ---- inputs.c: any input by its ending ---- */
 
-enum { CLI_MESH = 1, CLI_GRID = 2 };
+enum { CLI_MESH = 1, CLI_GRID = 2, CLI_TREE = 3 };
 
 typedef struct cli_input {
     const char *path;
-    int kind;       /* CLI_MESH or CLI_GRID */
+    int kind;       /* CLI_MESH, CLI_GRID, or CLI_TREE where that is asked for */
     bvx_mesh mesh;
     bvx_grid grid;
+    bvx_octree *tree;
     int placed;     /* 0: neither file nor side-car tells a grid's lattice */
 } cli_input;
 
@@ -268,11 +273,14 @@ int cli_needs_sidecar(int32_t format);       /* it keeps no lattice */
 char *cli_sidecar_name(const char *path);    /* to be freed; NULL without memory */
 /* What an input would be by its name; refuses what is not read. */
 int cli_input_kind(cli_run *run, const char *path, int *kind);
-/* Read a grid, or a window of it (NULL or all zero: all), and its side-car; creates run->context when there is none. */
+/* Read a grid, or a window of it (NULL or all zero: all), and its side-car; creates run->context when there is none. An octree
+ * becomes the grid of its last level, or that of --expand. */
 int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed);
+/* The same, but an octree stays what it is. */
+int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *input);
 /* --window; all zero when it is not given. */
 int cli_window_option(cli_run *run, bvx_window *window);
-int cli_read_input(cli_run *run, const char *path, cli_input *input);
+int cli_read_input(cli_run *run, const char *path, cli_input *input); /* a mesh or a grid */
 void cli_free_input(cli_run *run, cli_input *input);
 
 /* ---- mesh_lattice.c: where voxels of a mesh lie ---- */
@@ -308,6 +316,39 @@ int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice
 /* The comparison as lines of text and as a member of the JSON report. */
 void cli_tell_fills(cli_run *run, const bvx_fill_comparison *comparison);
 
+/* ---- tree_output.c, tree_report.c: octrees ---- */
+
+enum { CLI_TREE_LEVELS = 25 };
+
+typedef struct cli_tree {
+    bvx_octree *tree;
+    bvx_lattice base;
+    int32_t levels;
+    bvx_octree_level level[CLI_TREE_LEVELS + 1];
+    int kind;           /* of the output: CLI_MESH, CLI_GRID, or 0 for a tree */
+    bvx_window window;  /* of the last level */
+    bvx_grid grid;      /* what is written of it: a level, a mesh */
+    bvx_mesh surface;
+    uint64_t triangles; /* of the mesh that was refined; 0: the tree was read */
+    double seconds;     /* that it took */
+} cli_tree;
+
+/* Refuse outputs that octrees have no use for, and options that have none for the output; sets kind. */
+int cli_check_tree_output(cli_run *run, cli_tree *t);
+/* Refuse --expand beyond the last level. */
+int cli_check_tree_level(cli_run *run, int32_t levels);
+int cli_open_tree_output(cli_run *run, const cli_tree *t);
+/* Take over an octree, also on failure: its levels are counted, its lattice is reported. */
+int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t);
+/* The last level, or that of --expand, as a grid, or a window of it (all zero: all); path is named in messages. */
+int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path, bvx_grid *grid);
+/* Write run->options.output and keep it. */
+int cli_write_tree(cli_run *run, cli_tree *t);
+void cli_free_tree(cli_run *run, cli_tree *t);
+void cli_say_levels(cli_run *run, const cli_tree *t);
+void cli_say_tree_output(cli_run *run, const cli_tree *t);
+void cli_report_tree(cli_run *run, const cli_tree *t);
+
 /* ---- leaf_mesh.c: refine --leaves ---- */
 
 /* The leaves in the states asked for, less what --cut takes away, as boxes; to be freed here in any case. */
@@ -326,7 +367,7 @@ void cli_say_grid(cli_run *run, const bvx_grid *grid, uint64_t set, int placed);
 /* The place of a part (0: the low corner, 0.5: the centre) of a grid's first voxel. */
 void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
 
-/* ---- turn.c ---- */
+/* ---- turntable.c ---- */
 
 /* A direction turned round an axis by i / n of a turn; 0 when it lies along the axis. */
 int cli_turn(const double direction[3], const double axis[3], int32_t i, int32_t n, double turned[3]);
@@ -431,7 +472,7 @@ const cli_command *cli_command_at(int i);
 /* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
-extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine;
+extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);

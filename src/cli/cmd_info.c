@@ -1,4 +1,4 @@
-/* cmd_info.c - bitvox info: what a mesh or a grid is. */
+/* cmd_info.c - bitvox info: what a mesh, a grid or an octree is. */
 #include "cli/cli.h"
 
 #include <inttypes.h>
@@ -186,18 +186,51 @@ static int info_of_grid(cli_run *run, const cli_input *in)
     return CLI_DONE;
 }
 
+/* ---- octrees ---- */
+
+static int info_of_tree(cli_run *run, cli_input *in)
+{
+    const bvx_lattice *const l = &run->report.lattice;
+    cli_tree t;
+    int status;
+    memset(&t, 0, sizeof t);
+    status = cli_take_tree(run, in->tree, &t);
+    in->tree = NULL;
+    if (status == CLI_DONE) {
+        cli_say(run, "%s\n  format      octree, %" PRId32 " levels above the last\n", cli_input_name(in->path), t.levels);
+        cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 " at the last level\n", l->dims[0], l->dims[1], l->dims[2]);
+        cli_say(run, "  spacing     %.9g, %.9g, %.9g\n", l->spacing[0], l->spacing[1], l->spacing[2]);
+        cli_say(run, "  origin      %.9g, %.9g, %.9g\n\n", l->origin[0], l->origin[1], l->origin[2]);
+        cli_say_levels(run, &t);
+        cli_report_tree(run, &t);
+    }
+    cli_free_tree(run, &t);
+    return status;
+}
+
+static int read_for_info(cli_run *run, cli_input *in)
+{
+    const char *const path = run->options.input[0];
+    int kind, status = cli_input_kind(run, path, &kind);
+    memset(in, 0, sizeof *in);
+    if (status != CLI_DONE) return status;
+    return kind == CLI_GRID ? cli_read_grid_or_tree(run, path, NULL, in) : cli_read_input(run, path, in);
+}
+
 static int run_info(cli_run *run)
 {
     cli_input in;
-    int status = cli_read_input(run, run->options.input[0], &in);
-    if (status == CLI_DONE) status = in.kind == CLI_MESH ? info_of_mesh(run, &in.mesh) : info_of_grid(run, &in);
+    int status = read_for_info(run, &in);
+    if (status == CLI_DONE)
+        status = in.kind == CLI_MESH ? info_of_mesh(run, &in.mesh) : in.kind == CLI_TREE ? info_of_tree(run, &in) : info_of_grid(run, &in);
     cli_free_input(run, &in);
     return status;
 }
 
 const cli_command cli_info = {
-    "info", CLI_INFO, 1, 1, "IN [options]", "what a mesh or a grid is: counts, bounds, closed, manifold, volume; voxels, lattice",
+    "info", CLI_INFO, 1, 1, "IN [options]", "what a mesh, a grid or an octree is: counts, bounds, closed, manifold, volume; voxels, lattice",
     "Reads a mesh (.stl .obj .ply .off, also with .gz) and tells whether it is closed, manifold and\n"
     "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
-    ".vti .bvx) and tells its voxels, its lattice and the hash of both.",
+    ".vti .bvx) and tells its voxels, its lattice and the hash of both; or an octree (.bvx) and tells\n"
+    "what each of its levels holds.",
     "bitvox info fixtures/knot.ply", run_info};

@@ -120,23 +120,53 @@ static int read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *pla
     return status;
 }
 
+/* A tree's fourth byte differs from a grid's. */
+static int holds_tree(int32_t format, const cli_bytes *b)
+{
+    static const unsigned char tree[4] = {0x89, 'B', 'V', 'O'};
+    return format == BVX_FORMAT_BVX && b->size >= sizeof tree && memcmp(b->bytes, tree, sizeof tree) == 0;
+}
+
+static int parse_grid(cli_run *run, const cli_bytes *b, const bvx_window *window, cli_input *in)
+{
+    int32_t const format = cli_input_format(run, in->path);
+    bvx_status read;
+    in->kind = holds_tree(format, b) ? CLI_TREE : CLI_GRID;
+    in->placed = 1;
+    cli_stage_begin(run, "parse");
+    if (in->kind == CLI_TREE) read = bvx_read_octree(run->context, b->bytes, b->size, &in->tree);
+    else read = bvx_read_grid(run->context, b->bytes, b->size, format, window, &in->grid);
+    cli_stage_end(run);
+    cli_note_peak(run, b->size);
+    bvx_memory_reset_peak(run->context);
+    return read == BVX_OK ? CLI_DONE : cli_fail_status(run, read, cli_input_name(in->path));
+}
+
+int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
+{
+    cli_bytes b = {NULL, 0, 0, 0};
+    int status;
+    memset(in, 0, sizeof *in);
+    in->path = path;
+    status = cli_read_file(run, path, &b);
+    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
+    if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
+    free(b.bytes);
+    if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path))) status = read_sidecar(run, path, &in->grid, &in->placed);
+    return status;
+}
+
 int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed)
 {
-    int32_t const format = cli_input_format(run, path);
-    cli_bytes b = {NULL, 0, 0, 0};
-    int status = cli_read_file(run, path, &b);
-    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
-    if (status == CLI_DONE) {
-        cli_stage_begin(run, "parse");
-        bvx_status const read = bvx_read_grid(run->context, b.bytes, b.size, format, window, grid);
-        cli_stage_end(run);
-        cli_note_peak(run, b.size);
-        bvx_memory_reset_peak(run->context);
-        if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
-    }
-    free(b.bytes);
-    *placed = 1;
-    if (status == CLI_DONE && cli_needs_sidecar(format)) status = read_sidecar(run, path, grid, placed);
+    static const bvx_window all = {{0, 0, 0}, {0, 0, 0}};
+    cli_input in;
+    int status = cli_read_grid_or_tree(run, path, window, &in);
+    if (status == CLI_DONE && in.kind == CLI_TREE)
+        status = cli_expand_tree(run, in.tree, window != NULL ? window : &all, cli_input_name(path), &in.grid);
+    else if (status == CLI_DONE && cli_given(run, "--expand")) status = cli_usage(run, "--expand is for octrees; %s is a grid", cli_input_name(path));
+    bvx_octree_free(run->context, in.tree);
+    *grid = in.grid;
+    *placed = in.placed;
     return status;
 }
 
@@ -162,12 +192,15 @@ int cli_read_input(cli_run *run, const char *path, cli_input *input)
     input->path = path;
     status = cli_input_kind(run, path, &input->kind);
     if (status != CLI_DONE) return status;
-    return input->kind == CLI_MESH ? cli_read_mesh(run, path, &input->mesh)
-                                   : cli_read_grid(run, path, NULL, &input->grid, &input->placed);
+    if (input->kind == CLI_GRID) return cli_read_grid(run, path, NULL, &input->grid, &input->placed);
+    if (cli_given(run, "--expand")) return cli_usage(run, "--expand is for octrees; %s is a mesh", cli_input_name(path));
+    return cli_read_mesh(run, path, &input->mesh);
 }
 
 void cli_free_input(cli_run *run, cli_input *input)
 {
     bvx_mesh_free(run->context, &input->mesh);
     bvx_grid_free(run->context, &input->grid);
+    bvx_octree_free(run->context, input->tree);
+    input->tree = NULL;
 }

@@ -124,7 +124,7 @@ void cli_print_manual(void)
     putchar('\n');
     put_paragraph("With --json one JSON object goes to standard output, also after a failure: status (done, failed, "
                   "interrupted), command, lattice, set, stages, meshes, warnings, peak_bytes, and error with code and message; info adds "
-                  "grid, voxelize solid or surface and, with --compare-fills, fills, refine adds octree, compare adds difference or "
+                  "grid, voxelize solid or surface and, with --compare-fills, fills, refine and octrees add octree, fill adds fill, compare adds difference or "
                   "distance, render adds pictures, and difference with --compare.");
     put_section("FILES");
     put_item("FILE.npy.json, FILE.vox.json", "The side-car of a grid whose format keeps no lattice: origin (low corner), spacing, dims, "
@@ -158,7 +158,7 @@ static void put_values(const cli_command *c)
     for (int i = 0; (a = cli_argument_at(i)) != NULL; i++) {
         if ((a->commands & c->bit) == 0 || a->kind == CLI_FLAG) continue;
         printf("    %s/%s) ", c->name, a->name);
-        if (a->kind == CLI_CHOICE) {
+        if (a->choice != NULL && a->kind != CLI_SET) {
             printf("_bitvox_words '");
             for (int k = 0; a->choice[k] != NULL; k++) if (a->choice[k][0] != 0) printf("%s%s", k == 0 ? "" : " ", a->choice[k]);
             printf("'");

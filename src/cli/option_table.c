@@ -10,6 +10,8 @@
 #define FLAG(name, commands, field, help) {name, NULL, CLI_FLAG, commands, FIELD(field), 0, 0, 0, 0, NULL, 0, help}
 #define WHOLE(name, value, commands, field, low, high, help) \
     {name, value, CLI_INT, commands, FIELD(field), low, high, 0, 0, NULL, 0, help}
+#define WHOLE_OR(name, value, commands, field, low, high, names, base, help) \
+    {name, value, CLI_INT, commands, FIELD(field), low, high, 0, 0, names, base, help}
 #define LONG(name, value, commands, field, low, high, help) \
     {name, value, CLI_LONG, commands, FIELD(field), low, high, 0, 0, NULL, 0, help}
 #define BETWEEN(name, value, commands, field, low, high, help) /* both excluded */ \
@@ -34,12 +36,14 @@ const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "reg
 const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", NULL};
 static const char *const axis_names[] = {"x", "y", "z", NULL};
 static const char *const state_names[] = {"outside", "inside", "surface", NULL};
+static const char *const connectivity_names[] = {"6", "18", "26", NULL};
+static const char *const auto_names[] = {"auto", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
 /* By BVX_FORMAT_...; those that are only written have no name here. */
 static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
 
 static const cli_argument arguments[] = {
-    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE, output,
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL, output,
               "where the result goes; the ending tells the format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis [8 x the finest level, less where memory is short]"),
@@ -50,7 +54,7 @@ static const cli_argument arguments[] = {
     LIST("--window", "A,B,C,D,E,F", CLI_VOXELIZE, window, 0, LARGEST_SIDE, 6, 6,
          "only voxels A..D-1, B..E-1, C..F-1 of the lattice"),
     LIST("--window", "A,B,C,D,E,F", CLI_CONVERT, window, 0, LARGEST_SIDE, 6, 6,
-         "only voxels A..D-1, B..E-1, C..F-1 of a grid's file"),
+         "only voxels A..D-1, B..E-1, C..F-1 of a grid's file, or of the last\nlevel of an octree"),
     LIST("--window", "A,B,C,D,E,F", CLI_REFINE, window, 0, LARGEST_SIDE, 6, 6,
          "halve voxels to the last level only in A..D-1, B..E-1, C..F-1 of it"),
     WHOLE("--padding", "N", CLI_VOXELIZE | CLI_LOD | CLI_FACES, padding, 0, 65536, "empty voxels added on every side [0]"),
@@ -75,26 +79,34 @@ static const cli_argument arguments[] = {
            "or outside as a whole; below: all under a terrain [parity]"),
     WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, close_gaps, 0, 65535,
           "with --fill flood: gaps of up to N voxels hold the flood [0]"),
-    FLAG("--add-shell", CLI_VOXELIZE, add_shell, "set all voxels that the surface touches too"),
+    FLAG("--add-shell", CLI_VOXELIZE | CLI_FILL, add_shell, "set all voxels of the surface too"),
     FLAG("--check-edges", CLI_VOXELIZE, check_edges, "count edges with one triangle, and those between flipped ones"),
     FLAG("--compare-fills", CLI_VOXELIZE, compare_fills, "a table of what each rule would set, and where they differ"),
     NUMBER("--base", "H", CLI_VOXELIZE, base, "with --fill below: the height that columns stand on [the lattice's\nlow end]"),
     FILE_NAME("--second", "MESH", CLI_VOXELIZE, second, "with --fill below: what lies between IN and this terrain; tells cut\nand fill"),
     CHOICE("--up", "AXIS", CLI_VOXELIZE, up_axis, axis_names, 1, "with --fill below: x, y or z [z]"),
     FLAG("--merge", CLI_FACES, merge, "faces of one plane become few rectangles"),
+    LIST("--resolution", "N", CLI_REFINE, resolution, 1, LARGEST_SIDE, 1, 1,
+         "voxels of the last level along the longest axis, at least, in place\nof --base [--base x 2^--levels]"),
     WHOLE("--base", "N", CLI_REFINE, base_voxels, 1, LARGEST_SIDE, "voxels along the longest axis before any is halved [8]"),
-    WHOLE("--levels", "L", CLI_REFINE, depth, 0, 25, "how many times voxels are halved [6]"),
-    WHOLE("--outer-levels", "L", CLI_REFINE, outer_levels, 0, 25, "with --window: how many times beyond it [until voxels are about half\nas large as the window]"),
-    BETWEEN("--tolerance", "T", CLI_REFINE, tolerance, 0, 1e300,
+    WHOLE_OR("--levels", "L|auto", CLI_REFINE, depth, 0, 25, auto_names, -1,
+             "how many times voxels are halved [6]; auto: with --resolution, as it\ntakes least time by an estimate [auto with --resolution]"),
+    WHOLE("--outer-levels", "L", CLI_REFINE, outer_levels, 0, 25, "with --window: how many times beyond it [0]"),
+    BETWEEN("--adaptive", "T", CLI_REFINE, adaptive, 0, 1e300,
             "a voxel whose triangles lie within T of one plane is not halved,\nin the mesh's unit [off]"),
-    SET("--states", "A,B", CLI_REFINE, states, state_names, BVX_STATE_OUTSIDE,
-        "which voxels are written: surface, inside, outside [surface,inside]"),
+    SET("--states", "A,B", CLI_REFINE | CLI_CONVERT | CLI_RENDER, states, state_names, BVX_STATE_OUTSIDE,
+        "which voxels of an octree: surface, inside, outside [surface,inside]"),
     FLAG("--leaves", CLI_REFINE, leaves, "a mesh of boxes, one a leaf, in colours of their levels"),
     {"--cut", "AXIS=VALUE", CLI_CUT, CLI_REFINE, FIELD(cut), 0, 0, 0, 0, NULL, 0,
      "with --leaves: only those below a plane, once for each axis"},
-    WHOLE("--expand", "L", CLI_REFINE, expand, 0, 25, "the level that a grid is written of [the last]"),
+    WHOLE("--expand", "L", CLI_REFINE | CLI_CONVERT | CLI_RENDER, expand, 0, 25,
+          "the level of an octree that a grid is made of [the last]; with it\na .bvx file is written as a grid, not as an octree"),
     FLAG("--carry", CLI_LOD, carry, "give each level the colours and texture coordinates of the nearest\npoints on the mesh"),
     LONG("--samples", "N", CLI_LOD | CLI_COMPARE, samples, 0, 2147483647, "points on each mesh for the distances, 0: none [20000]"),
+    LIST("--seed", "X,Y,Z", CLI_FILL, seeds, 0, LARGEST_SIDE, 3, 63,
+         "empty voxels to fill from, counted from the grid's first one, three\nnumbers each [one in every pocket]"),
+    FILE_NAME("--mesh", "MESH", CLI_FILL, mesh, "the mesh behind the surface: pockets outside of it stay empty"),
+    CHOICE("--connectivity", "N", CLI_FILL, connectivity, connectivity_names, 0, "6: through faces; 18: and edges; 26: and corners [6]"),
     LONG("--seed", "N", CLI_COMPARE, seed, 0, 4294967295.0, "another seed, other points [1]"),
     SIZE("--size", "WxH", CLI_RENDER, size, 16384, "pixels of a picture [1024x768; 640x480 each for several meshes]"),
     TRIPLE("--from", "X,Y,Z", CLI_RENDER, from, "direction from the model to the eye [3,-4,2]"),

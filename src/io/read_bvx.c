@@ -6,6 +6,7 @@
  * slice in the file that is wrong is the one reported, whatever the threads. */
 #include "io/bvx_file.h"
 #include "io/grid_formats.h"
+#include "io/tree_file.h"
 
 enum { BVX_MAX_PIECES = 256 }; /* as bvxi_piece_count */
 
@@ -42,6 +43,8 @@ static int32_t bvx_load_side(const uint8_t *p)
 static bvx_status bvx_check_start(bvx_context *ctx, const uint8_t *head, uint64_t size)
 {
     const uint8_t *const magic = bvxi_bvx_magic();
+    if (bvxi_is_tree_file(head, size))
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte 3: the file holds an octree, no grid: bvx_read_octree reads it");
     if (size < 8 || memcmp(head, magic, 4) != 0)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte 0: the file does not begin as .bvx files do (89 42 56 58 0d 0a 1a 0a)");
     if (memcmp(head, magic, 8) != 0)

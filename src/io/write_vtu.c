@@ -4,8 +4,8 @@
  * finest level: sorting the corners of all leaves by it brings equal ones together, so that a reader finds the faces that two
  * leaves share. The number of a corner is its rank among the places, z first. */
 #include "io/formats.h"
+#include "io/tree_file.h"
 #include "mesh/radix.h"
-#include "refine/octree.h"
 
 static const char vtu_name[] = "bvx_write_octree";
 
@@ -179,9 +179,11 @@ bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_
     if (file->bytes != NULL)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", vtu_name);
     BVXI_TRY(bvxi_octree_check(context, vtu_name, tree));
-    if (format != BVX_FORMAT_VTU)
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no octree; take VTU", vtu_name, (int64_t)format);
-    BVXI_TRY(write_vtu(context, tree, states, &made));
+    if (format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no octree; take BVX or VTU", vtu_name, (int64_t)format);
+    if (format == BVX_FORMAT_BVX && states != 0)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: states is %d; BVX holds the whole tree, and takes 0", vtu_name, (int64_t)states);
+    BVXI_TRY(format == BVX_FORMAT_VTU ? write_vtu(context, tree, states, &made) : bvxi_write_tree(context, tree, &made));
     *file = made;
     return BVX_OK;
 }

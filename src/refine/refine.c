@@ -9,10 +9,6 @@
 static const char bvx_refine_name[] = "bvx_refine";
 static const bvx_refine_options refine_defaults = {0, 6, -1, {{0, 0, 0}, {0, 0, 0}}, 0, 0, 0.0};
 
-/* Grids up to this many bytes are made at the last level; else the start is the last level below the second number. */
-#define REFINE_WHOLE_GRID ((uint64_t)1 << 27)
-#define REFINE_START_GRID ((uint64_t)1 << 21)
-
 void bvx_refine_options_init(bvx_refine_options *options, size_t size)
 {
     bvxi_give_options(options, size, &refine_defaults, sizeof refine_defaults);
@@ -62,11 +58,9 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
     return BVX_OK;
 }
 
-/* The window grows to whole voxels of level outer_levels. */
 static bvx_status take_refine_window(bvxi_refine_job *job, bvx_refine_options *o)
 {
     static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
-    int32_t const down = o->levels - o->outer_levels, side = (int32_t)1 << down;
     job->tolerance = o->tolerance;
     for (int a = 0; a < 3; a++) job->step[a] = job->tree->lattice.spacing[a] / (double)((int32_t)1 << job->tree->lattice.fraction_bits);
     if (memcmp(&o->window, &none, sizeof none) == 0) return BVX_OK;
@@ -74,10 +68,8 @@ static bvx_status take_refine_window(bvxi_refine_job *job, bvx_refine_options *o
     job->windowed = 1;
     job->outer = o->outer_levels;
     for (int a = 0; a < 3; a++) {
-        job->low[a] = o->window.low[a] >> down;
-        job->high[a] = ((o->window.low[a] + o->window.size[a] - 1) >> down) + 1;
-        o->window.low[a] = job->low[a] * side;
-        o->window.size[a] = (job->high[a] - job->low[a]) * side;
+        job->low[a] = o->window.low[a];
+        job->last[a] = o->window.low[a] + o->window.size[a] - 1;
     }
     return BVX_OK;
 }
@@ -93,14 +85,22 @@ static bvx_status last_lattice(bvx_context *ctx, const bvx_lattice *base, int32_
     return bvx_lattice_make(ctx, base->origin, spacing, dims, last);
 }
 
-/* A tolerance looks at lists, so it has them from the base on; beyond a window a grid would be for nothing. */
+/* 1 when the window is less than an eighth of the lattice. */
+static int window_is_small(const bvxi_refine_job *job)
+{
+    double share = 1;
+    for (int a = 0; a < 3; a++) share *= (double)(job->last[a] - job->low[a] + 1) / (double)job->tree->lattice.dims[a];
+    return share < 0.125;
+}
+
+/* A tolerance looks at lists, so it has them from the base on; beyond a small window a grid would be for nothing. */
 static int32_t choose_start(const bvxi_refine_job *job)
 {
     const bvx_octree *const tree = job->tree;
-    int32_t start = job->windowed ? job->outer : tree->levels;
+    int32_t start = job->windowed && window_is_small(job) ? job->outer : tree->levels;
     if (job->tolerance > 0) return 0;
-    if (bvxi_refine_grid_words(tree, start) <= REFINE_WHOLE_GRID / 8) return start;
-    while (start > 0 && bvxi_refine_grid_words(tree, start) > REFINE_START_GRID / 8) start--;
+    if (bvxi_refine_grid_words(tree, start) <= BVXI_REFINE_WHOLE_GRID / 8) return start;
+    while (start > 0 && bvxi_refine_grid_words(tree, start) > BVXI_REFINE_START_GRID / 8) start--;
     return start;
 }
 
@@ -148,7 +148,7 @@ static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made)
                      (int64_t)job->tree->base[0], (int64_t)job->tree->base[1], (int64_t)job->tree->base[2]);
 }
 
-static bvx_status run_refinement(bvxi_refine_job *job, const bvx_window *window)
+static bvx_status run_refinement(bvxi_refine_job *job)
 {
     bvx_octree *const tree = job->tree;
     int32_t made = -1;
@@ -160,7 +160,7 @@ static bvx_status run_refinement(bvxi_refine_job *job, const bvx_window *window)
     if (status == BVX_OK) {
         bvxi_refine_free_front(job, &job->front);
         bvxi_refine_free_grids(job);
-        status = job->windowed ? bvxi_octree_row_states(job, window) : bvxi_octree_states(job->ctx, tree, job->up);
+        status = job->windowed ? bvxi_octree_row_states(job) : bvxi_octree_states(job->ctx, tree, job->up);
     }
     if (status == BVX_ERR_BUDGET && job->windowed)
         return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: the window at level %d is beyond the memory limit", bvx_refine_name,
@@ -169,17 +169,17 @@ static bvx_status run_refinement(bvxi_refine_job *job, const bvx_window *window)
 }
 
 /* A start level that was chosen, not asked for, gives way to the base when memory does not allow it. */
-static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked, const bvx_window *window)
+static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
 {
     bvx_status status;
     job->start = asked >= 0 ? asked : choose_start(job);
-    status = run_refinement(job, window);
+    status = run_refinement(job);
     if (status == BVX_ERR_BUDGET && asked < 0 && job->start > 0) {
         drop_refinement(job);
         drop_octets(job, 0);
         bvxi_octets_close(job->ctx, &job->tree->root);
         job->start = 0;
-        status = run_refinement(job, window);
+        status = run_refinement(job);
     }
     drop_refinement(job);
     return status;
@@ -205,7 +205,7 @@ bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx
     status = last_lattice(context, base, o.levels, &job.tree->lattice);
     if (status == BVX_OK) status = bvxi_snap(context, bvx_refine_name, mesh, &job.tree->lattice, &job.snapped);
     if (status == BVX_OK) status = take_refine_window(&job, &o);
-    if (status == BVX_OK) status = refine_from_start(&job, o.start_level, &o.window);
+    if (status == BVX_OK) status = refine_from_start(&job, o.start_level);
     bvxi_snap_free(context, &job.snapped);
     if (status != BVX_OK) bvx_octree_free(context, job.tree);
     else *tree = job.tree;

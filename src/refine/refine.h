@@ -5,6 +5,10 @@
 #include "refine/octree.h"
 #include "voxelize/snap.h"
 
+/* Grids up to this many bytes are made at the last level; else the start is the last level below the second number. */
+#define BVXI_REFINE_WHOLE_GRID ((uint64_t)1 << 27)
+#define BVXI_REFINE_START_GRID ((uint64_t)1 << 21)
+
 /* Bits of the touched voxels of levels 0 .. start, rows as in a grid. */
 typedef struct bvxi_refine_grids {
     uint64_t *words[BVXI_OCTREE_LEVELS + 1];
@@ -26,8 +30,8 @@ typedef struct bvxi_refine_job {
     bvx_octree *tree;
     bvxi_snapped snapped;
     int32_t start; /* the last level that comes from a grid */
-    int32_t windowed, outer;   /* 1: voxels of level outer and finer ones are split in [low, high) of that level only */
-    int32_t low[3], high[3];
+    int32_t windowed, outer;   /* 1: voxels of level outer and finer ones are split where they meet the window alone */
+    int32_t low[3], last[3];   /* the window, both ends inclusive [Units: voxels of the last level] */
     double tolerance, step[3]; /* flat voxels stay whole: 0 none do, else the tolerance, and a fixed-point step [Units: world] */
     bvxi_refine_grids grids;
     bvxi_refine_front front;
@@ -57,7 +61,7 @@ int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const 
 /* ---- row_states.c ---- */
 
 /* Find what is outside by the rows of solids: for a tree with a window. */
-bvx_status bvxi_octree_row_states(bvxi_refine_job *job, const bvx_window *window);
+bvx_status bvxi_octree_row_states(bvxi_refine_job *job);
 
 /* ---- states.c ---- */
 
@@ -66,15 +70,18 @@ uint64_t bvxi_states_bytes(const bvx_octree *tree, int32_t levels);
 /* Find what is outside. */
 bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *const *up);
 
+/* ---- choose.c ---- */
+
+/* How many voxels the model of time takes to be touched at a resolution. */
+bvx_status bvxi_refine_estimate(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t resolution, double *touched);
+
 /* Is a touched voxel of a level split, as far as levels and window say? */
 static inline int bvxi_refine_wants(const bvxi_refine_job *job, int32_t level, const int32_t v[3])
 {
     if (level == job->tree->levels) return 0;
     if (!job->windowed || level < job->outer) return 1;
-    for (int a = 0; a < 3; a++) {
-        int32_t const at = v[a] >> (level - job->outer);
-        if (at < job->low[a] || at >= job->high[a]) return 0;
-    }
+    for (int a = 0; a < 3; a++)
+        if (v[a] < job->low[a] >> (job->tree->levels - level) || v[a] > job->last[a] >> (job->tree->levels - level)) return 0;
     return 1;
 }
 

@@ -57,10 +57,10 @@ static void end_start_batch(bvxi_surface_tile *tile, start_batch *b)
 /* Lists beyond the window are not asked for, once voxels are split in it alone. */
 static inline int start_misses_window(const bvxi_refine_job *refine, const int32_t low[3], const int32_t high[3])
 {
-    int32_t const down = refine->start - refine->outer;
-    if (!refine->windowed || down < 0) return 0;
+    int32_t const up = refine->tree->levels - refine->start;
+    if (!refine->windowed || refine->start < refine->outer) return 0;
     for (int a = 0; a < 3; a++)
-        if (bvxi_floor_shift(high[a], down) < refine->low[a] || bvxi_floor_shift(low[a], down) >= refine->high[a]) return 1;
+        if (high[a] < refine->low[a] >> up || low[a] > refine->last[a] >> up) return 1;
     return 0;
 }
 

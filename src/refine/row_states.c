@@ -1,15 +1,16 @@
 /* row_states.c - what is outside in a tree with a window: by the exact rule of rows.
  *
  * No triangle touches a leaf that is not of the surface, so all of it lies on one side, and any centre in it tells which. Leaves
- * up to level `outer` ask the solid of that level's lattice, finer ones, which all lie in the window, that of the last level.
+ * up to level `outer` ask the solid of that level's lattice; finer ones, which all lie near the window, ask a part of the solid
+ * of their own level, made of the triangles that reach its rows alone.
  * (Snapped to a coarser lattice a vertex moves by 2^-16 of a voxel; the centre of a voxel that no triangle touches is half a
  * voxel away.) Guarantee: the same for any threads. */
 #include "refine/refine.h"
 
 typedef struct row_states_job {
     bvx_octree *tree;
-    bvx_grid outer, inner;
-    int32_t outer_level;
+    int32_t outer;
+    bvx_grid solid[BVXI_OCTREE_LEVELS + 1]; /* by level from outer on; that of outer is whole */
 } row_states_job;
 
 typedef struct row_state_step {
@@ -20,16 +21,16 @@ typedef struct row_state_step {
 
 static int centre_is_inside(const row_states_job *job, const int32_t v[3], int32_t level)
 {
-    const bvx_grid *const g = level <= job->outer_level ? &job->outer : &job->inner;
-    int32_t const down = (level <= job->outer_level ? job->outer_level : job->tree->levels) - level;
+    int32_t const down = level <= job->outer ? job->outer - level : 0;
+    const bvx_grid *const g = &job->solid[level + down];
     return bvx_grid_get(g, (v[0] << down) - g->low[0], (v[1] << down) - g->low[1], (v[2] << down) - g->low[2]);
 }
 
-/* The octets of the last level but one, all eight children at once; windows begin at even voxels there. */
+/* The octets of the last level but one, all eight children at once; solids begin at even voxels. */
 static void decide_last(const row_states_job *job, uint64_t octet, const int32_t v[3])
 {
     const bvxi_octets *const o = &job->tree->octets[job->tree->levels - 1];
-    const bvx_grid *const g = &job->inner;
+    const bvx_grid *const g = &job->solid[job->tree->levels];
     uint64_t const row = (uint64_t)g->words_per_row, slice = row * (uint64_t)g->size[1];
     int32_t const x = 2 * v[0] - g->low[0], y = 2 * v[1] - g->low[1], z = 2 * v[2] - g->low[2];
     const uint64_t *const at = g->words + (uint64_t)z * slice + (uint64_t)y * row + (uint64_t)(x >> 6);
@@ -57,7 +58,7 @@ static void decide_tree(const row_states_job *job, uint64_t octet, const int32_t
         uint32_t const p = s->p++;
         uint64_t const bit = 8 * s->octet + p;
         int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1), 2 * s->v[2] + (int32_t)(p >> 2)};
-        if (bvxi_octets_is_split(o, bit) && level + 2 == job->tree->levels && level + 1 >= job->outer_level) {
+        if (bvxi_octets_is_split(o, bit) && level + 2 == job->tree->levels) {
             decide_last(job, s->below++, child);
         } else if (bvxi_octets_is_split(o, bit)) {
             row_state_step *const next = &step[++level];
@@ -85,22 +86,93 @@ static void decide_base(const row_states_job *job)
             }
 }
 
-bvx_status bvxi_octree_row_states(bvxi_refine_job *job, const bvx_window *window)
+/* ---- the triangles near the window ---- */
+
+/* Do a triangle's rows, along x, come near the window? Its ends grow to whole voxels of level `outer`. */
+static int rows_meet_window(const bvxi_refine_job *job, const uint32_t corner[3])
+{
+    int32_t const up = job->tree->levels - job->outer, shift = up + job->tree->lattice.fraction_bits;
+    for (uint32_t a = 1; a < 3; a++) {
+        int32_t low = INT32_MAX, high = INT32_MIN;
+        for (int c = 0; c < 3; c++) {
+            int32_t const q = job->snapped.xyz[3 * (size_t)corner[c] + a];
+            low = q < low ? q : low;
+            high = q > high ? q : high;
+        }
+        if (bvxi_floor_shift(high, shift) < job->low[a] >> up || bvxi_floor_shift(low - 1, shift) > job->last[a] >> up) return 0;
+    }
+    return 1;
+}
+
+/* Three positions a triangle, in doubles; NULL: count. */
+static uint64_t gather_near(const bvxi_refine_job *job, double *positions)
+{
+    uint64_t n = 0;
+    for (uint64_t t = 0; t < job->view->triangle_count; t++) {
+        uint32_t corner[3];
+        bvxi_view_triangle(job->view, t, corner);
+        if (!rows_meet_window(job, corner)) continue;
+        for (uint64_t c = 0; c < 3 && positions != NULL; c++) bvxi_view_position(job->view, corner[c], positions + 3 * (3 * n + c));
+        n++;
+    }
+    return n;
+}
+
+/* ---- the solids ---- */
+
+/* Window of a level: the children of all voxels of the level above that meet the tree's window. */
+static void window_of_level(const bvxi_refine_job *job, int32_t level, bvx_window *w)
+{
+    int32_t const up = job->tree->levels - level + 1;
+    for (int a = 0; a < 3; a++) {
+        w->low[a] = 2 * (job->low[a] >> up);
+        w->size[a] = 2 * ((job->last[a] >> up) + 1) - w->low[a];
+    }
+}
+
+static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby, row_states_job *rows)
 {
     bvx_context *const ctx = job->ctx;
-    row_states_job rows = {0};
     bvx_voxelize_options o;
-    bvx_lattice lattice;
-    bvx_status status;
     bvx_voxelize_options_init(&o, sizeof o);
-    rows.tree = job->tree;
-    rows.outer_level = job->outer;
-    BVXI_TRY(bvxi_octree_lattice(ctx, job->tree, job->outer, &lattice));
-    status = bvx_voxelize_solid(ctx, job->view, &lattice, &o, &rows.outer);
-    o.window = *window;
-    if (status == BVX_OK) status = bvx_voxelize_solid(ctx, job->view, &job->tree->lattice, &o, &rows.inner);
-    if (status == BVX_OK) decide_base(&rows);
-    bvx_grid_free(ctx, &rows.inner);
-    bvx_grid_free(ctx, &rows.outer);
+    for (int32_t l = job->outer; l <= job->tree->levels; l++) {
+        bvx_lattice lattice;
+        BVXI_TRY(bvxi_octree_lattice(ctx, job->tree, l, &lattice));
+        if (l > job->outer && nearby->triangle_count == 0) BVXI_TRY(bvx_grid_create(ctx, &lattice, &o.window, &rows->solid[l]));
+        else BVXI_TRY(bvx_voxelize_solid(ctx, l == job->outer ? job->view : nearby, &lattice, &o, &rows->solid[l]));
+        if (l < job->tree->levels) window_of_level(job, l + 1, &o.window);
+    }
+    return BVX_OK;
+}
+
+static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby)
+{
+    row_states_job *rows;
+    bvx_status status;
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *rows, "the window's solids", &rows));
+    rows->tree = job->tree;
+    rows->outer = job->outer;
+    status = make_solids(job, nearby, rows);
+    if (status == BVX_OK) decide_base(rows);
+    for (int32_t l = job->tree->levels; l >= job->outer; l--) bvx_grid_free(job->ctx, &rows->solid[l]);
+    bvxi_free(job->ctx, rows, sizeof *rows);
+    return status;
+}
+
+bvx_status bvxi_octree_row_states(bvxi_refine_job *job)
+{
+    uint64_t const count = gather_near(job, NULL);
+    bvx_mesh_view nearby = {0};
+    double *positions = NULL;
+    bvx_status status;
+    if (count > job->view->triangle_count / 2) return decide_by_solids(job, job->view);
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, count * 72, "the triangles near the window", &positions));
+    gather_near(job, positions);
+    nearby.positions = positions;
+    nearby.position_type = BVX_F64;
+    nearby.triangle_count = count;
+    nearby.vertex_count = 3 * count;
+    status = decide_by_solids(job, &nearby);
+    bvxi_free(job->ctx, positions, count * 72);
     return status;
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
 # test_voxels.sh [PROGRAM] - surfaces, rules that fill, faces of voxels and refinement by the bitvox program: voxelize, faces,
-# refine, and the rules in lod and render. PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or
+# refine, fill, and the rules in lod and render. PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or
 # "not ok NAME"; the last line is "N passed, N failed[, N skipped]". Runs in the repository's root, works in a folder of its own.
 set -u
 program=${1:-${BITVOX:-build/bitvox}}
@@ -184,7 +184,7 @@ done
 for rule in parity vote regions; do sets 4032 nested.obj --spacing 1 --padding 2 --fill $rule; done
 sets 4096 nested.obj --spacing 1 --padding 2 --fill nonzero
 # The flood leaves the hollow to the solid, but voxels of its surface vote: 4 x 4 x 4 less 2 x 2 x 2 stay empty.
-sets 4040 nested.obj --spacing 1 --padding 2 --fill flood
+sets 4096 nested.obj --spacing 1 --padding 2 --fill flood
 reports 'regions are counted' 'r["solid"]["fill"] == "regions" and r["solid"]["regions"] == 3 and r["solid"]["mixed_regions"] == 0
     and r["solid"]["mixed_voxels"] == 0 and r["warnings"] == []' voxelize nested.obj -o x.bvx --spacing 1 --padding 2 --fill regions
 # One side of the box is missing: every row along x lacks a crossing.
@@ -219,7 +219,7 @@ refuses 2 'one of: parity, nonzero, vote, flood, regions, below' voxelize box.ob
 works 'voxelize --compare-fills' voxelize "$knot" -o x.bvx --resolution 70 --compare-fills
 holds 'rules: a row each' test "$(grep -c -E '^    (parity|nonzero|vote|flood|regions) +[0-9]+$' out)" = 5
 holds 'rules: they are one on a closed mesh' says '^  they differ on 0 voxels beside the '
-reports 'a hollow splits the rules' 'r["fills"]["set"] == {"parity": 4032, "nonzero": 4096, "vote": 4032, "flood": 4040, "regions": 4032}
+reports 'a hollow splits the rules' 'r["fills"]["set"] == {"parity": 4032, "nonzero": 4096, "vote": 4032, "flood": 4096, "regions": 4032}
     and r["fills"]["disagreeing"] == 8 and r["fills"]["flood_leaked"] is False and r["fills"]["lost_voxels"] == 0' voxelize nested.obj -o x.bvx --spacing 1 --padding 2 --compare-fills
 reports 'a hole lets the flood in' 'r["fills"]["flood_leaked"] is True and r["fills"]["disagreeing"] > 0' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --compare-fills
 holds 'which is told' sh -c "'$program' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --compare-fills --progress none 2>err | grep -q 'flood .*the flood came in'"
@@ -327,36 +327,36 @@ reports 'refine --json' 'r["octree"]["levels"] == 3 and max(r["octree"]["base"])
     and r["octree"]["leaves"] == r["octree"]["surface"] + r["octree"]["inside"] + r["octree"]["outside"]
     and all(a["split"] * 8 == b["voxels"] for a, b in zip(r["octree"]["level"], r["octree"]["level"][1:]))
     and r["octree"]["level"][3]["split"] == 0 and r["octree"]["bytes"] > 0 and r["octree"]["uniform_voxels"] % 512 == 0 and "set" not in r' refine "$knot" -o x.vtu --levels 3
-works 'refine to a grid' refine "$knot" -o fine.bvx --levels 3
+works 'refine to a grid' refine "$knot" -o fine.bvx --levels 3 --expand 3
 works 'the same surface at once' voxelize "$knot" -o direct.bvx --mode conservative --resolution 64
-works 'the refined surface' refine "$knot" -o surface.bvx --levels 3 --states surface
+works 'the refined surface' refine "$knot" -o surface.bvx --levels 3 --expand 3 --states surface
 holds 'as many surface voxels as at once' test "$(set_of direct.bvx)" = "$(set_of surface.bvx)"
 works 'the same solid at once' voxelize "$knot" -o direct.bvx --fill flood --add-shell --resolution 64
 holds 'as many voxels as at once' test "$(set_of direct.bvx)" = "$(set_of fine.bvx)"
-works 'other bases, other levels' refine "$knot" -o again.bvx --base 16 --levels 2
+works 'other bases, other levels' refine "$knot" -o again.bvx --base 16 --levels 2 --expand 2
 holds 'base and levels do not show in the voxels' test "$(set_of again.bvx)" = "$(set_of fine.bvx)"
-works 'the inside' refine "$knot" -o inner.bvx --levels 3 --states inside
-works 'the outside' refine "$knot" -o outer.bvx --levels 3 --states outside
-works 'all of it' refine "$knot" -o all.bvx --levels 3 --states outside,surface,inside
+works 'the inside' refine "$knot" -o inner.bvx --levels 3 --expand 3 --states inside
+works 'the outside' refine "$knot" -o outer.bvx --levels 3 --expand 3 --states outside
+works 'all of it' refine "$knot" -o all.bvx --levels 3 --expand 3 --states outside,surface,inside
 run info all.bvx
 holds 'every voxel has a state' says ', 100 % of all$'
 holds 'every voxel has one state' test $(($(set_of inner.bvx) + $(set_of outer.bvx) + $(set_of surface.bvx))) = "$(set_of all.bvx)"
 works 'a lower level' refine "$knot" -o low.bvx --levels 3 --expand 1
 run info low.bvx
 holds 'it has its own lattice' says '^  dims +16 x '
-works 'no level at all' refine "$knot" -o low.bvx --levels 0 --base 20
-run info low.bvx
+works 'no level at all' refine "$knot" -o flat.npy --levels 0 --base 20
+run info flat.npy
 holds 'the base alone' says '^  dims +20 x '
-works 'a fine window' refine "$knot" -o window.bvx --levels 3 --window 8,8,8,40,40,16
+works 'a fine window' refine "$knot" -o window.bvx --levels 3 --expand 3 --window 8,8,8,40,40,16
 works 'the window of the whole' convert fine.bvx -o part.bvx --window 8,8,8,40,40,16
 same 'a window is as fine as the whole' window.bvx part.bvx
 reports 'outside of it voxels are coarse' 'r["octree"]["level"][0]["surface"] > 0' refine "$knot" -o x.vtu --levels 3 --window 8,8,8,40,40,16
 reports 'or halved as often as asked for' 'r["octree"]["level"][0]["surface"] == r["octree"]["level"][1]["surface"] == 0 < r["octree"]["level"][2]["surface"]' \
     refine "$knot" -o x.vtu --levels 3 --window 8,8,8,40,40,16 --outer-levels 2
-reports 'flat places are not halved' 'r["octree"]["level"][1]["surface"] + r["octree"]["level"][2]["surface"] > 0' refine "$knot" -o x.vtu --levels 3 --tolerance 0.05
-reports 'a hollow is inside' 'r["set"] == 16 ** 3 and r["octree"]["inside"] > 0 == r["octree"]["outside"]' refine nested.obj -o x.bvx --levels 2 --base 4
+reports 'flat places are not halved' 'r["octree"]["level"][1]["surface"] + r["octree"]["level"][2]["surface"] > 0' refine "$knot" -o x.vtu --levels 3 --adaptive 0.05
+reports 'a hollow is inside' 'r["set"] == 16 ** 3 and r["octree"]["inside"] > 0 == r["octree"]["outside"]' refine nested.obj -o x.bvx --levels 2 --expand 2 --base 4
 rm -f x.*
-refuses 2 'no format that refine writes' refine "$knot" -o x.xyz
+refuses 2 'no format that octrees are written to' refine "$knot" -o x.xyz
 refuses 2 'is a grid' refine fine.bvx -o x.vtu
 works 'refine to a mesh' refine "$knot" -o fine.ply --levels 3
 run info fine.ply
@@ -377,16 +377,116 @@ refuses 2 '--leaves makes a mesh' refine "$knot" -o x.vtu --leaves
 refuses 2 '--cut needs --leaves' refine "$knot" -o x.ply --cut z=0
 refuses 1 '--cut leaves nothing' refine "$knot" -o x.ply --levels 1 --leaves --cut z=-99
 refuses 1 'as boxes would take' refine "$knot" -o x.ply --levels 8 --leaves
+# ---- the base and the levels that follow from a resolution ----
+
+works 'refine --resolution' refine "$knot" -o auto.npy --resolution 64
+works 'refine --levels auto' refine "$knot" -o again.npy --resolution 64 --levels auto
+holds 'a resolution alone chooses the levels' cmp auto.npy again.npy
+works 'refine --resolution with levels' refine "$knot" -o again.npy --resolution 64 --levels 3
+holds 'the choice does not show in the voxels' test "$(set_of auto.npy)" = "$(set_of again.npy)"
+reports 'the last level has at least the resolution' '300 <= max(r["lattice"]["dims"]) < 300 + 2 ** r["octree"]["levels"]' refine "$knot" -o x.vtu --resolution 300
+reports 'levels that are given' 'max(r["lattice"]["dims"]) == 304 and max(r["octree"]["base"]) == 19' refine "$knot" -o x.vtu --resolution 300 --levels 4
+reports 'windows are found in deep lattices' 'max(r["lattice"]["dims"]) == 65536 and max(r["octree"]["base"]) <= 128 and r["octree"]["level"][-1]["surface"] >= 0' \
+    refine "$knot" -o x.bvx --resolution 65536 --window 1000,1000,1000,1100,1100,1100
+rm -f x.*
+refuses 2 'needs --resolution' refine "$knot" -o x.vtu --levels auto
+refuses 2 'contradict' refine "$knot" -o x.vtu --resolution 64 --base 8
+refuses 2 'or auto' refine "$knot" -o x.vtu --levels most
+
+# ---- octrees as files ----
+
+works 'refine to an octree' refine "$knot" -o tree.bvx --levels 3
+works 'refine to an octree on one thread' refine "$knot" -o again.bvx --levels 3 --threads 1
+holds 'threads do not show in an octree' cmp tree.bvx again.bvx
+works 'info of an octree' info tree.bvx
+holds 'info tells a row a level' test "$(grep -c -E '^ +[0-3]  [0-9]+x[0-9]+x[0-9]+ ' out)" = 4
+reports 'info --json of an octree' 'r["octree"]["levels"] == 3 and max(r["lattice"]["dims"]) == 64 and r["octree"]["leaves"] > 0 and "milliseconds" not in r["octree"]' info tree.bvx
+works 'an octree to leaves' convert tree.bvx -o again.vtu
+holds 'its leaves are those that are refined' cmp knot.vtu again.vtu
+works 'refine takes an octree' refine tree.bvx -o again.vtu
+holds 'and writes the same' cmp knot.vtu again.vtu
+works 'an octree to a grid' convert tree.bvx -o again.bvx --expand 3
+holds 'the grid of its last level' cmp fine.bvx again.bvx
+works 'an octree to the grid of a coarser level' convert tree.bvx -o again.bvx --expand 1
+holds 'the grid of that level' cmp low.bvx again.bvx
+works 'an octree to a part of a grid' convert tree.bvx -o again.npy --window 8,8,8,40,40,16 --states surface,inside
+same 'the part' again.npy part.bvx
+works 'an octree to itself' convert tree.bvx -o again.bvx
+holds 'it is the same file' cmp tree.bvx again.bvx
+gzip -c tree.bvx >tree.bvx.gz
+works 'a packed octree' convert tree.bvx.gz -o again.bvx
+holds 'it is the same file unpacked' cmp tree.bvx again.bvx
+works 'an octree to a mesh' refine tree.bvx -o again.ply
+holds 'the mesh of its last level' cmp fine.ply again.ply
+works 'the leaves of an octree as boxes' refine tree.bvx -o again.ply --leaves
+works 'a picture of an octree' render tree.bvx -o tree.png --size 64x48
+works 'a picture of its grid' render fine.bvx -o again.png --size 64x48
+holds 'they are the same' cmp tree.png again.png
+works 'a picture of a coarser level' render tree.bvx -o again.png --size 64x48 --expand 1
+holds 'a coarser picture' differ tree.png again.png
+works 'an octree where a grid is read' lod tree.bvx -o l_%d.ply --levels 16 --samples 0
+same 'an octree is the grid of its last level' tree.bvx fine.bvx
+head -c 1000 tree.bvx >cut.bvx
+{ head -c 300 tree.bvx; printf x; tail -c +302 tree.bvx; } >changed.bvx
+refuses 1 'the file ends before' info cut.bvx
+refuses 1 'is damaged, its checksum differs' convert changed.bvx -o x.vtu
+refuses 2 'is for meshes' refine tree.bvx -o x.vtu --levels 2
+refuses 2 'is for meshes' refine tree.bvx -o x.vtu --adaptive 1
+refuses 2 'is a grid' refine fine.bvx -o x.vtu
+refuses 2 'is for grids' refine tree.bvx -o x.vtu --window 0,0,0,8,8,8
+refuses 2 'is for grids' convert tree.bvx -o x.vtu --window 0,0,0,8,8,8
+refuses 2 'holds the whole octree' refine "$knot" -o x.bvx --states inside
+refuses 2 'is beyond the last level' convert tree.bvx -o x.npy --expand 4
+refuses 2 'are for octrees' convert fine.bvx -o x.npy --expand 1
+refuses 2 'are for octrees' convert fine.bvx -o x.vtu
+refuses 2 'is no octree' convert box.npy -o x.vtu
+refuses 2 'is for grids' convert box.obj -o x.ply --expand 1
+refuses 2 'is for octrees' render fine.bvx -o x.png --expand 1
+refuses 2 'is for octrees' render box.obj -o x.png --expand 1
+rm -f x.*
+
+# ---- fill ----
+
+works 'walls to fill' voxelize nested.obj -o walls.bvx --mode conservative --resolution 32 --padding 2
+run fill walls.bvx -o pockets.bvx
+holds 'fill finds the pockets of both shells' says '^  pockets +2$'
+works 'one of them' fill walls.bvx -o shell.bvx --mesh nested.obj
+holds 'the inner shell is hollow' says '^  pockets +1$'
+inside 'a hollow less' shell.bvx pockets.bvx
+reports 'fill --json' 'r["fill"]["pockets"] == len(r["fill"]["seeds"]) == 1 and not r["fill"]["reaches_side"] and r["fill"]["search"]["verified"]
+    and r["fill"]["search"]["i"] >= 1 and r["fill"]["search"]["j"] >= 1 and r["fill"]["search"]["k"] >= 1 and r["set"] == r["fill"]["filled"] > 0' \
+    fill walls.bvx -o x.bvx --mesh nested.obj
+works 'fill with the walls' fill walls.bvx -o full.bvx --add-shell
+works 'the flood at once' voxelize nested.obj -o direct.bvx --fill flood --add-shell --resolution 32 --padding 2
+same 'pockets and walls are what the flood leaves' full.bvx direct.bvx
+works 'fill from a seed' fill walls.bvx -o seeded.bvx --seed 16,16,16
+reports 'seeds that are given' 'r["fill"]["given"] == 2 and r["fill"]["seeds"] == [[16, 16, 16], [4, 4, 4]] and "search" not in r["fill"]' \
+    fill walls.bvx -o both.bvx --seed 16,16,16,4,4,4
+same 'two seeds fill two pockets' both.bvx pockets.bvx
+warns "reaches the window's sides" fill walls.bvx -o outside.bvx --seed 0,0,0
+works 'a file of one wall' voxelize ground.obj -o wall.bvx --mode conservative --spacing 0.5 --padding 1
+rm -f x.*
+refuses 1 'there is no pocket' fill wall.bvx -o x.bvx
+refuses 1 'seed 0' fill walls.bvx -o x.bvx --seed 999,0,0
+refuses 2 'three numbers a seed' fill walls.bvx -o x.bvx --seed 1,2,3,4
+refuses 2 'is a mesh' fill box.obj -o x.bvx
+refuses 2 '--mesh takes a mesh' fill walls.bvx -o x.bvx --mesh fine.bvx
+refuses 2 'nothing is asked' fill walls.bvx -o x.bvx --mesh box.obj --seed 1,1,1
+refuses 2 'one of: 6, 18, 26' fill walls.bvx -o x.bvx --connectivity 8
+refuses 2 'no grid format that is written' fill walls.bvx -o x.ply
+
+# ---- what refine refuses ----
+
 refuses 2 '--expand is for grids' refine "$knot" -o x.vtu --expand 2
 refuses 2 'beyond the last level' refine "$knot" -o x.bvx --expand 4 --levels 3
-refuses 2 'beyond the last level' refine "$knot" -o x.bvx --levels 3 --window 0,0,0,9,9,9 --outer-levels 4
+refuses 2 'beyond the last level' refine "$knot" -o x.bvx --levels 3 --expand 3 --window 0,0,0,9,9,9 --outer-levels 4
 refuses 2 '--outer-levels needs --window' refine "$knot" -o x.vtu --outer-levels 2
 refuses 2 'one or more of outside, inside, surface' refine "$knot" -o x.vtu --states inner
 refuses 2 'one or more of' refine "$knot" -o x.vtu --states inside,inside
 refuses 2 'one or more of' refine "$knot" -o x.vtu --states inside,
 refuses 2 'from 0 to 25' refine "$knot" -o x.vtu --levels 26
 refuses 1 'levels fit' refine "$knot" -o x.vtu --levels 25 --base 8
-refuses 1 'MiB' refine "$knot" -o x.bvx --levels 9 --base 16
+refuses 1 'MiB' refine "$knot" -o x.bvx --levels 9 --expand 9 --base 16
 refuses 1 'limit' refine "$knot" -o x.vtu --levels 9 --memory-limit 20M
 
 # ---- real meshes ----
@@ -397,7 +497,7 @@ if [ -d "$meshes" ]; then
     same 'holes of the scan join all regions, so each voxel votes' bunny.bvx again.bvx
     works 'a real terrain' voxelize "$meshes/terrain_turbineSiting.stl.gz" -o terrain.bvx --fill below --base 900 --resolution 200
     holds 'a real terrain has columns' says '^  columns +[0-9]{5} under the surface$'
-    works 'open sheets, many in one voxel' refine "$meshes/motorBike.obj.gz" -o bike.bvx --base 16 --levels 3 --states surface
+    works 'open sheets, many in one voxel' refine "$meshes/motorBike.obj.gz" -o bike.bvx --base 16 --levels 3 --expand 3 --states surface
     works 'the same at once' voxelize "$meshes/motorBike.obj.gz" -o again.bvx --mode conservative --resolution 128
     holds 'refined open sheets are those at once' test "$(set_of bike.bvx)" = "$(set_of again.bvx)"
 else

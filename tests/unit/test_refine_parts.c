@@ -103,9 +103,15 @@ static void check_window(const maker_mesh *m, int32_t base_side, int32_t levels,
             if (leaf[n].level < levels && leaf[n].state == BVX_STATE_SURFACE) {
                 TEST_ASSERT_TRUE((seen & BVX_STATE_SURFACE) != 0);
                 TEST_ASSERT_FALSE(in_window(&leaf[n], levels, &o.window));
-                TEST_ASSERT_EQUAL_UINT8(o.outer_levels, leaf[n].level);
+                TEST_ASSERT_TRUE(leaf[n].level >= o.outer_levels);
             } else {
                 TEST_ASSERT_EQUAL_INT(leaf[n].state, seen);
+            }
+            if (leaf[n].level > o.outer_levels) { /* halved no further than the window asks for */
+                bvx_octree_leaf parent = leaf[n];
+                parent.level--;
+                for (int a = 0; a < 3; a++) parent.ijk[a] /= 2;
+                TEST_ASSERT_TRUE(in_window(&parent, levels, &o.window));
             }
             *inside += leaf[n].state == BVX_STATE_INSIDE;
             covered += (uint64_t)1 << 3 * (levels - leaf[n].level);
@@ -145,41 +151,65 @@ static void test_a_window_is_as_the_whole_there(void)
     TEST_ASSERT_GREATER_THAN(100, inside);
 }
 
+/* Voxels of the last level in the window, in some states, are those of another grid. */
+static void assert_window_holds(const bvx_octree *tree, int32_t states, const bvx_window *window, const bvx_grid *want)
+{
+    bvx_grid expanded = {0};
+    uint64_t first, second;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_expand(ctx, tree, bvx_octree_levels(tree), states, window, &expanded));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(ctx, want, &first));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(ctx, &expanded, &second));
+    TEST_ASSERT_EQUAL_HEX64(first, second);
+    bvx_grid_free(ctx, &expanded);
+}
+
 /* A small window of a lattice that no grid could hold. */
 static void test_a_window_of_a_deep_lattice(void)
 {
     maker_mesh m = {0};
     bvx_lattice base, lattice;
     bvx_refine_options o;
-    bvx_grid surface = {0}, expanded = {0};
-    uint64_t set = 0, first, second, seed = 9;
+    bvx_surface_options so;
+    bvx_voxelize_options vo;
+    bvx_grid surface = {0}, solid = {0};
+    uint64_t set = 0, all = 0, seed = 9;
     const double centre[3] = {4, 4, 4}, radius[3] = {3.5, 3.5, 3.5};
     base_of(8, &base);
     maker_star(&m, &seed, centre, radius, 0.05, 20, 20, 1024);
     bvx_mesh_view const view = maker_view(&m);
     bvx_refine_options_init(&o, sizeof o);
+    bvx_surface_options_init(&so, sizeof so);
+    bvx_voxelize_options_init(&vo, sizeof vo);
     o.levels = 13; /* 65536 */
-    o.outer_levels = 4;
     for (int a = 0; a < 3; a++) {
         o.window.low[a] = (int32_t)(m.p[3 * 77 + a] * 8192) - 50; /* about a vertex */
         o.window.size[a] = 100;
     }
-    bvx_octree *const tree = tree_of(&view, &base, &o);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_lattice(ctx, tree, 13, &lattice));
-    TEST_ASSERT_EQUAL_INT32(65536, lattice.dims[0]);
-    bvx_surface_options so;
-    bvx_surface_options_init(&so, sizeof so);
-    so.window = o.window;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, &lattice, &so, &surface));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_expand(ctx, tree, 13, BVX_STATE_SURFACE, &o.window, &expanded));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &surface, &set));
-    TEST_ASSERT_GREATER_THAN(5000, set);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(ctx, &surface, &first));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(ctx, &expanded, &second));
-    TEST_ASSERT_EQUAL_HEX64(first, second);
+    so.window = vo.window = o.window;
+    for (o.outer_levels = 0; o.outer_levels <= 4; o.outer_levels += 4) {
+        bvx_octree *const tree = tree_of(&view, &base, &o);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_lattice(ctx, tree, 13, &lattice));
+        TEST_ASSERT_EQUAL_INT32(65536, lattice.dims[0]);
+        if (o.outer_levels == 0) {
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, &lattice, &so, &surface));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &surface, &set));
+            TEST_ASSERT_GREATER_THAN(5000, set);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &vo, &solid));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &solid, &all));
+            TEST_ASSERT_GREATER_THAN(5000, all);
+        }
+        assert_window_holds(tree, BVX_STATE_SURFACE, &o.window, &surface);
+        for (int32_t z = 0; z < 100 && o.outer_levels == 0; z++) /* from here on: the solid without its surface */
+            for (int32_t y = 0; y < 100; y++)
+                for (int32_t i = 0; i < solid.words_per_row; i++) {
+                    size_t const at = ((size_t)z * 100 + (size_t)y) * (size_t)solid.words_per_row + (size_t)i;
+                    solid.words[at] &= ~surface.words[at];
+                }
+        assert_window_holds(tree, BVX_STATE_INSIDE, &o.window, &solid);
+        bvx_octree_free(ctx, tree);
+    }
+    bvx_grid_free(ctx, &solid);
     bvx_grid_free(ctx, &surface);
-    bvx_grid_free(ctx, &expanded);
-    bvx_octree_free(ctx, tree);
     maker_free(&m);
 }
 
