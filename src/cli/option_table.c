@@ -74,9 +74,9 @@ static const cli_argument arguments[] = {
            "touches; thin: those that keep a flood through faces out; sampled:\n"
            "those of points less than a voxel apart [solid]"),
     CHOICE("--fill", "RULE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, fill, cli_fill_names, BVX_FILL_PARITY,
-           "parity: nested shells are cavities; nonzero: overlapping and\ninverted shells are one solid; vote: the majority of three axes,\n"
-           "for meshes with holes; flood: what a flood from outside cannot\nreach, cavities included; regions: what the surface parts is inside\n"
-           "or outside as a whole; below: all under a terrain [parity]"),
+           "parity: nested shells are cavities; nonzero: overlapping and\ninverted shells are one solid; vote: what rows along three axes agree\n"
+           "on, else all directions, for meshes with holes; flood: what a flood\nfrom outside cannot reach, cavities included; regions: what the\n"
+           "surface parts is inside or outside as a whole; below: all under a terrain [parity]"),
     WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, close_gaps, 0, 65535,
           "with --fill flood: gaps of up to N voxels hold the flood [0]"),
     FLAG("--add-shell", CLI_VOXELIZE | CLI_FILL, add_shell, "set all voxels of the surface too"),

@@ -47,7 +47,7 @@ void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_repor
     else if (r->unbalanced_rows != 0)
         cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", r->unbalanced_rows, rows);
     if (r->leaks != 0)
-        cli_warn(run, "the flood came through a hole to %" PRIu64 " voxels that the three axes have inside; a larger --close-gaps may hold it, "
+        cli_warn(run, "the flood came through a hole to %" PRIu64 " voxels that are surely inside; a larger --close-gaps may hold it, "
                  "--fill vote or regions does without", r->leaks);
     if (r->mixed_regions != 0)
         cli_warn(run, "%" PRIu64 " of %" PRIu64 " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64

@@ -264,6 +264,8 @@ static void solid_cases(golden *g)
     for (size_t i = 0; i < sizeof soup / sizeof soup[0]; i++) solid_values(g, &soup[i]);
 }
 
+#include "voxel_cases.h"
+
 static const struct {
     const char *file;
     void (*run)(golden *g);
@@ -271,6 +273,9 @@ static const struct {
     {"hash", hash_cases},
     {"grid", grid_cases},
     {"solid", solid_cases},
+    {"voxel_surface", voxel_surface_cases},
+    {"fills", fill_cases},
+    {"octree", octree_cases},
 };
 
 /* ---- Files ---- */
