@@ -29,6 +29,8 @@ enum {
     CLI_COMPARE = 1 << 5,
     CLI_FACES = 1 << 6,
     CLI_REFINE = 1 << 7,
+    CLI_SECTIONS = 1 << 12,
+    CLI_SLICE = 1 << 13,
     CLI_ALL = 0x7fffffff
 };
 
@@ -104,6 +106,9 @@ typedef struct cli_options {
     int32_t base_voxels, depth, outer_levels, expand, leaves;
     int32_t states;             /* BVX_STATE_... added */
     double tolerance;
+    int32_t layers, caps, crossings, subdivide, label; /* sections */
+    const char *block_model;
+    cli_triple block;
 } cli_options;
 
 /* What voxelize sets: the solid, or 1 + BVX_SURFACE_... */
@@ -431,7 +436,7 @@ const cli_command *cli_command_at(int i);
 /* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
-extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine;
+extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_sections, cli_slice;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
