@@ -163,7 +163,6 @@ bvx_status bvxi_plane_cut(bvxi_stack *s, bvxi_plane *p)
     memset(&w, 0, sizeof w);
     w.s = s;
     w.p = p;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8, "the grid points inside", &p->inside));
     bvx_status status = BVX_OK;
     for (uint32_t i = 0; i < p->contour_count && status == BVX_OK; i++) status = walk_loop(&w, &p->contour[i]);
     /* the array ends as long as its count says, whatever happened */

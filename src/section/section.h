@@ -45,7 +45,7 @@ typedef struct bvxi_plane {
     double w;
     uint32_t section;        /* number in the stack given */
     uint32_t point_count, contour_count;
-    uint64_t point_room, contour_room;
+    uint64_t point_room, contour_room; /* of all */
     uint32_t *given;         /* number of each point in the stack given */
     int32_t (*q)[2];
     double (*uv)[2];
@@ -85,6 +85,7 @@ typedef struct bvxi_stack {
     int32_t words;           /* a row of grid points */
     bvxi_plane *plane;       /* ascending in w */
     uint32_t plane_count;
+    bvxi_plane all;          /* arrays that the planes have stretches of */
     bvxi_plane nothing;      /* a plane without loops: only its bits are there */
     uint32_t slab_count;
     bvx_sections_options options;

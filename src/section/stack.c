@@ -102,16 +102,33 @@ static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
                      (uint64_t)number, (uint64_t)p->section, (uint64_t)c->count);
 }
 
-static bvx_status open_plane(bvxi_stack *s, bvxi_plane *p, uint64_t points, uint32_t loops)
+/* Arrays for the points and loops of all planes, of which each has a stretch. */
+static bvx_status open_planes(bvxi_stack *s, const uint64_t *points, const uint32_t *loops)
 {
-    p->point_room = points;
-    p->contour_room = loops;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 4, "the points of a section", &p->given));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the points of a section", &p->q));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 16, "the points of a section", &p->uv));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 4, "the points of a section", &p->next));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 4, "the points of a section", &p->ring));
-    return bvxi_alloc(s->ctx, BVXI_SCRATCH, loops * sizeof *p->contour, "the loops of a section", &p->contour);
+    bvxi_plane *const all = &s->all;
+    uint64_t point = 0, loop = 0;
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        all->point_room += points[s->plane[i].section];
+        all->contour_room += loops[s->plane[i].section];
+    }
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->given));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 8, "the points of sections", &all->q));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 16, "the points of sections", &all->uv));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->next));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->ring));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->contour_room * sizeof *all->contour, "the loops of sections", &all->contour));
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        bvxi_plane *const p = &s->plane[i];
+        p->given = all->given + point;
+        p->q = all->q + point;
+        p->uv = all->uv + point;
+        p->next = all->next + point;
+        p->ring = all->ring + point;
+        p->contour = all->contour + loop;
+        point += points[p->section];
+        loop += loops[p->section];
+    }
+    return BVX_OK;
 }
 
 static bvx_status place_points(bvxi_stack *s, bvxi_plane *p)
@@ -162,11 +179,11 @@ static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint3
     }
     BVXI_TRY(order_planes(s, loops, plane_of, key));
     for (uint32_t i = 0; i < s->plane_count; i++) {
-        bvxi_plane *const p = &s->plane[i];
+        const bvxi_plane *const p = &s->plane[i];
         if (loops[p->section] == 0) s->report.empty_sections++;
         else s->report.sections++;
-        BVXI_TRY(open_plane(s, p, points[p->section], loops[p->section]));
     }
+    BVXI_TRY(open_planes(s, points, loops));
     for (uint32_t i = 0; i < s->plane_count; i++) plane_of[s->plane[i].section] = i;
     for (uint64_t i = 0; i < g->loop_count; i++)
         if (g->loops[i].label == s->options.label) BVXI_TRY(take_loop(s, &s->plane[plane_of[g->loops[i].section]], (uint32_t)i));
@@ -339,6 +356,11 @@ static bvx_status direct_loops(bvxi_stack *s, bvxi_plane *p)
     return status;
 }
 
+static uint64_t inside_bytes(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8;
+}
+
 static bvx_status ready_plane(bvxi_stack *s, bvxi_plane *p)
 {
     snap_plane(s, p);
@@ -372,6 +394,8 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
     BVXI_TRY(gather_planes(s));
     for (uint32_t i = 0; i < s->plane_count; i++) link_loops(&s->plane[i]);
     BVXI_TRY(choose_grid(s));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside", &s->all.inside));
+    for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
     for (uint32_t i = 0; i < s->plane_count; i++) {
         BVXI_TRY(bvxi_progress(ctx, "sections", (double)i / s->plane_count));
         BVXI_TRY(ready_plane(s, &s->plane[i]));
@@ -381,19 +405,10 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
 
 static void close_plane(bvxi_stack *s, bvxi_plane *p)
 {
-    bvx_context *const ctx = s->ctx;
-    uint64_t const rows = (uint64_t)s->size[1] + 1;
-    bvxi_free(ctx, p->arc_cell, (uint64_t)p->arc_count * 4);
-    bvxi_free(ctx, p->arc, (uint64_t)p->arc_count * sizeof *p->arc);
-    bvxi_free(ctx, p->cut, (uint64_t)p->cut_room * sizeof *p->cut);
-    bvxi_free(ctx, p->inside, rows * (uint64_t)s->words * 8);
-    bvxi_free(ctx, p->box, (uint64_t)p->leaf_count * 2 * sizeof *p->box);
-    bvxi_free(ctx, p->contour, p->contour_room * sizeof *p->contour);
-    bvxi_free(ctx, p->ring, p->point_room * 4);
-    bvxi_free(ctx, p->next, p->point_room * 4);
-    bvxi_free(ctx, p->uv, p->point_room * 16);
-    bvxi_free(ctx, p->q, p->point_room * 8);
-    bvxi_free(ctx, p->given, p->point_room * 4);
+    bvxi_free(s->ctx, p->arc_cell, (uint64_t)p->arc_count * 4);
+    bvxi_free(s->ctx, p->arc, (uint64_t)p->arc_count * sizeof *p->arc);
+    bvxi_free(s->ctx, p->cut, (uint64_t)p->cut_room * sizeof *p->cut);
+    bvxi_free(s->ctx, p->box, (uint64_t)p->leaf_count * 2 * sizeof *p->box);
 }
 
 void bvxi_stack_close(bvxi_stack *s)
@@ -401,6 +416,13 @@ void bvxi_stack_close(bvxi_stack *s)
     bvxi_free(s->ctx, s->mesh.triangle, s->mesh.triangle_room * 12);
     bvxi_free(s->ctx, s->mesh.position, s->mesh.vertex_room * 24);
     for (uint32_t i = s->plane_count; i-- > 0;) close_plane(s, &s->plane[i]);
+    bvxi_free(s->ctx, s->all.inside, s->plane_count * inside_bytes(s));
+    bvxi_free(s->ctx, s->all.contour, s->all.contour_room * sizeof *s->all.contour);
+    bvxi_free(s->ctx, s->all.ring, s->all.point_room * 4);
+    bvxi_free(s->ctx, s->all.next, s->all.point_room * 4);
+    bvxi_free(s->ctx, s->all.uv, s->all.point_room * 16);
+    bvxi_free(s->ctx, s->all.q, s->all.point_room * 8);
+    bvxi_free(s->ctx, s->all.given, s->all.point_room * 4);
     bvxi_free(s->ctx, s->plane, (uint64_t)s->plane_count * sizeof *s->plane);
     memset(s, 0, sizeof *s);
 }
