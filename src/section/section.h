@@ -63,6 +63,7 @@ typedef struct bvxi_plane {
     double (*box)[4];        /* binary heap over groups of segments */
     uint32_t leaf_count;     /* power of two */
     double area;
+    int lines;               /* of a cap: points are vertices, and their segments cross nothing */
 } bvxi_plane;
 
 /* Vertices and triangles made so far. */
@@ -91,6 +92,8 @@ typedef struct bvxi_stack {
     bvx_sections_options options;
     bvx_sections_report report;
     bvxi_section_mesh mesh;
+    uint32_t (*cap_edge[2])[2]; /* in the field's way: the lines on the first and the last plane, inside on their left */
+    uint32_t cap_edge_count[2], cap_edge_room[2];
 } bvxi_stack;
 
 /* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their left ---- */
@@ -163,6 +166,8 @@ bvx_status bvxi_slabs_fill(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 void bvxi_slabs_free(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 /* The section's region as triangles; side 1: seen from above, -1: from below. */
 bvx_status bvxi_cap_fill(bvxi_stack *stack, const bvxi_plane *plane, int32_t side);
+/* The same for the region within lines between vertices. */
+bvx_status bvxi_cap_fill_edges(bvxi_stack *stack, const uint32_t (*edge)[2], uint32_t count, int32_t side);
 
 /* ---- exact order ---- */
 

@@ -84,12 +84,16 @@ static bvx_status make_rings(bvxi_stack *s)
     return BVX_OK;
 }
 
-/* Caps of the field's way are its own lines, gathered from the plane's cells; see flat_field_cap. */
 static bvx_status make_caps(bvxi_stack *s)
 {
-    if (s->options.caps != BVX_CAPS_FLAT || s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
-    BVXI_TRY(bvxi_cap_fill(s, &s->plane[0], -1));
-    return bvxi_cap_fill(s, &s->plane[s->plane_count - 1], 1);
+    if (s->options.caps != BVX_CAPS_FLAT) return BVX_OK;
+    for (int k = 0; k < 2; k++) {
+        int32_t const side = k == 0 ? -1 : 1;
+        if (s->options.crossings != BVX_CROSSINGS_EXACT)
+            BVXI_TRY(bvxi_cap_fill_edges(s, (const uint32_t (*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
+        else BVXI_TRY(bvxi_cap_fill(s, &s->plane[k == 0 ? 0 : s->plane_count - 1], side));
+    }
+    return BVX_OK;
 }
 
 static bvx_status give_mesh(bvxi_stack *s, bvx_mesh *mesh)

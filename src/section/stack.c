@@ -413,6 +413,7 @@ static void close_plane(bvxi_stack *s, bvxi_plane *p)
 
 void bvxi_stack_close(bvxi_stack *s)
 {
+    for (int k = 2; k-- > 0;) bvxi_free(s->ctx, s->cap_edge[k], (uint64_t)s->cap_edge_room[k] * sizeof *s->cap_edge[k]);
     bvxi_free(s->ctx, s->mesh.triangle, s->mesh.triangle_room * 12);
     bvxi_free(s->ctx, s->mesh.position, s->mesh.vertex_room * 24);
     for (uint32_t i = s->plane_count; i-- > 0;) close_plane(s, &s->plane[i]);

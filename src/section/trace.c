@@ -312,6 +312,23 @@ static bvx_status fill_traced(bvxi_trace *t, uint32_t count)
     return bvxi_fill_loop(t->s, &l);
 }
 
+/* The lines of a body's first and last plane are what a flat cap ends at. from: the loop's place behind the first vertex. */
+static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t count, uint32_t last)
+{
+    bvxi_stack *const s = t->s;
+    const bvxi_plane *const p = t->level[k].plane;
+    if (s->options.caps != BVX_CAPS_FLAT || p == NULL || p != &s->plane[k == 0 ? 0 : s->plane_count - 1]) return BVX_OK;
+    for (uint32_t i = from - 1; i < count; i++) {
+        uint32_t const a = t->vertex[i], b = i + 1 < count ? t->vertex[i + 1] : last;
+        uint32_t *e;
+        BVXI_TRY(bvxi_slab_grow(s, &s->cap_edge[k], s->cap_edge_count[k], &s->cap_edge_room[k], sizeof *s->cap_edge[k], "the lines of a cap"));
+        e = s->cap_edge[k][s->cap_edge_count[k]++];
+        e[0] = k == 0 ? a : b;
+        e[1] = k == 0 ? b : a;
+    }
+    return BVX_OK;
+}
+
 static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
 {
     uint32_t count = 0, i = start;
@@ -327,7 +344,9 @@ static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
             BVXI_TRY(follow_ring(t, k, &t->arc[k][p->arc], k, &count));
         } else if (p->link == BVXI_LINK_FIELD || p->link == BVXI_LINK_FIELD_BACK) {
             int const k = p->link == BVXI_LINK_FIELD_BACK;
+            uint32_t const start_count = count;
             BVXI_TRY(bvxi_trace_insert(t, k, i, p->next, k, &count));
+            BVXI_TRY(keep_cap_lines(t, k, start_count, count, t->point[p->next].vertex));
         }
         i = t->point[i].next;
     } while (i != start);
