@@ -9,10 +9,15 @@
 
 #include <math.h>
 
+/* A hole in no loop, as lines in the paper's way can make when contour points cross over: filled by itself, in its own direction. */
+#define CAP_ALONE (UINT32_MAX - 1)
+#define CAP_STRAIGHT 1e-9 /* sine of the angle at a point that is no corner */
+
 typedef struct cap_work {
     bvxi_stack *s;
     const bvxi_plane *plane;
     int32_t side;
+    uint32_t *after;              /* the next corner behind each point that is one, else none */
     uint32_t *corner;             /* points round the region, those at bridges twice */
     uint32_t count;
     uint32_t (*bridge)[2];
@@ -109,12 +114,12 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
 /* Go round a hole from one of its points, entered and left over the bridge at a corner. */
 static void insert_hole(cap_work *w, const bvxi_contour *hole, uint32_t from, uint32_t at)
 {
-    uint32_t const n = hole->count + 2;
-    uint32_t i = from, k = at + 1;
+    uint32_t i = from, k = at + 1, n = 2;
+    for (uint32_t j = hole->first; j < hole->first + hole->count; j++) n += w->after[j] != BVXI_NONE;
     memmove(w->corner + at + 1 + n, w->corner + at + 1, (size_t)(w->count - at - 1) * 4);
     do {
         w->corner[k++] = i;
-        i = w->plane->next[i];
+        i = w->after[i];
     } while (i != from);
     w->corner[k++] = from;
     w->corner[k] = w->corner[at];
@@ -164,13 +169,45 @@ static void find_owners(const bvxi_plane *p, uint32_t *owner)
     }
 }
 
-/* The point with the highest u. */
-static uint32_t rightmost(const bvxi_plane *p, const bvxi_contour *c)
+/* The corner with the highest u. */
+static uint32_t rightmost(const cap_work *w, const bvxi_contour *c)
 {
-    uint32_t best = c->first;
+    uint32_t best = BVXI_NONE;
     for (uint32_t i = c->first; i < c->first + c->count; i++)
-        if (p->q[i][0] > p->q[best][0]) best = i;
+        if (w->after[i] != BVXI_NONE && (best == BVXI_NONE || w->plane->q[i][0] > w->plane->q[best][0])) best = i;
     return best;
+}
+
+/* 1 when a point lies on the straight line from the one before it to the next: no corner, but a vertex on a side as crossings are. */
+static int is_straight(const bvxi_plane *p, uint32_t before, uint32_t i)
+{
+    const double *const a = p->uv[before], *const o = p->uv[i], *const b = p->uv[p->next[i]];
+    double const x = o[0] - a[0], y = o[1] - a[1], u = b[0] - o[0], v = b[1] - o[1];
+    double const turn = x * v - y * u, along = x * u + y * v;
+    return along > 0.0 && (turn < 0.0 ? -turn : turn) <= CAP_STRAIGHT * along;
+}
+
+static void find_corners(cap_work *w)
+{
+    const bvxi_plane *const p = w->plane;
+    for (uint32_t k = 0; k < p->contour_count; k++) {
+        const bvxi_contour *const c = &p->contour[k];
+        uint32_t const end = c->first + c->count;
+        uint32_t first = BVXI_NONE, last = BVXI_NONE, n = 0;
+        for (int pass = 0; pass < 2 && n < 3; pass++) { /* all are corners where fewer than three would be left */
+            first = last = BVXI_NONE;
+            n = 0;
+            for (uint32_t i = c->first; i < end; i++) {
+                w->after[i] = BVXI_NONE;
+                if (pass == 0 && !p->lines && is_straight(p, i == c->first ? end - 1 : i - 1, i)) continue;
+                if (last == BVXI_NONE) first = i;
+                else w->after[last] = i;
+                last = i;
+                n++;
+            }
+        }
+        w->after[last] = first;
+    }
 }
 
 /* Holes from the right to the left: each then sees the outer loop or a hole that is joined already. */
@@ -182,7 +219,7 @@ static bvx_status join_holes(cap_work *w, uint32_t *owner, uint32_t outer)
         for (uint32_t h = 0; h < p->contour_count; h++) {
             uint32_t r;
             if (owner[h] != outer) continue;
-            r = rightmost(p, &p->contour[h]);
+            r = rightmost(w, &p->contour[h]);
             if (next != BVXI_NONE && p->q[r][0] <= p->q[from][0]) continue;
             next = h;
             from = r;
@@ -201,51 +238,74 @@ static bvx_status add_turned(const cap_work *w, uint32_t a, uint32_t b, uint32_t
     return w->side > 0 ? bvxi_section_add_triangle(w->s, a, b, c) : bvxi_section_add_triangle(w->s, a, c, b);
 }
 
-/* Crossings on the side from a point to another; none where that is no segment of the contour. */
-static uint32_t crossings_on(const bvxi_plane *p, uint32_t a, uint32_t b)
+/* A side of a triangle: the vertices between its corners, which are a stretch of the ring that may go over its loop's end. */
+typedef struct cap_side {
+    uint32_t start, count; /* places behind the first corner */
+    uint32_t low, end;     /* of the loop in the ring */
+} cap_side;
+
+static uint32_t side_vertex(const bvxi_plane *p, const cap_side *side, uint32_t i)
 {
-    if (p->lines || p->next[a] != b) return 0;
-    /* in the ring the next point follows; behind a loop's last one the next loop's first does */
-    return (a + 1 < p->point_count ? p->ring[a + 1] : p->ring_count) - p->ring[a] - 1;
+    uint32_t const at = side->start + i;
+    return p->vertex + (at < side->end ? at : at - (side->end - side->low));
 }
 
-/* Triangles from a vertex to a side: from, the crossings first.., to. */
-static bvx_status fan_side(const cap_work *w, uint32_t apex, uint32_t from, uint32_t first, uint32_t count, uint32_t to)
+/* None between corners that do not follow each other. */
+static void find_side(const cap_work *w, uint32_t a, uint32_t b, cap_side *side)
 {
-    for (uint32_t i = 0; i <= count; i++) {
-        uint32_t const end = i == count ? to : first + i;
-        BVXI_TRY(add_turned(w, apex, from, end));
-        from = end;
+    const bvxi_plane *const p = w->plane;
+    uint32_t low = 0, high = p->contour_count;
+    memset(side, 0, sizeof *side);
+    if (p->lines || w->after[a] != b) return;
+    while (high - low > 1) {
+        uint32_t const middle = low + (high - low) / 2;
+        if (p->contour[middle].first <= a) low = middle;
+        else high = middle;
     }
-    return BVX_OK;
+    side->low = p->ring[p->contour[low].first];
+    side->end = low + 1 < p->contour_count ? p->ring[p->contour[low + 1].first] : p->ring_count;
+    side->start = p->ring[a] + 1;
+    side->count = (p->ring[b] > p->ring[a] ? p->ring[b] : p->ring[b] + (side->end - side->low)) - p->ring[a] - 1;
 }
 
-/* A triangle with crossings on its sides: a side that has some is joined to the corner over it, and the two outer ones of the triangles
+/* Triangles from a vertex to the part of a side between two vertices, over places begin to end of it. */
+static bvx_status fan_side(const cap_work *w, uint32_t apex, uint32_t from, const cap_side *side, uint32_t begin, uint32_t end, uint32_t to)
+{
+    for (uint32_t i = begin; i < end; i++) {
+        uint32_t const v = side_vertex(w->plane, side, i);
+        BVXI_TRY(add_turned(w, apex, from, v));
+        from = v;
+    }
+    return add_turned(w, apex, from, to);
+}
+
+/* A triangle with vertices on its sides: a side that has some is joined to the corner over it, and the two outer ones of the triangles
  * that this makes are divided at the other sides. */
 static bvx_status divide_triangle(const cap_work *w, const uint32_t point[3])
 {
     const bvxi_plane *const p = w->plane;
-    uint32_t v[3], first[3], n[3];
+    uint32_t v[3], first, last;
+    cap_side side[3];
     int turn = 0;
-    for (int i = 0; i < 3; i++) n[i] = crossings_on(p, point[i], point[(i + 1) % 3]);
-    while (turn < 2 && n[turn] == 0) turn++;
+    for (int i = 0; i < 3; i++) find_side(w, point[i], point[(i + 1) % 3], &side[i]);
+    while (turn < 2 && side[turn].count == 0) turn++;
     for (int i = 0; i < 3; i++) {
-        uint32_t const at = point[(i + turn) % 3];
-        v[i] = p->vertex + p->ring[at];
-        first[i] = v[i] + 1;
-        n[i] = crossings_on(p, at, point[(i + turn + 1) % 3]);
+        v[i] = p->vertex + p->ring[point[(i + turn) % 3]];
+        find_side(w, point[(i + turn) % 3], point[(i + turn + 1) % 3], &side[i]);
     }
-    if (n[0] == 0) return add_turned(w, v[0], v[1], v[2]);
-    BVXI_TRY(fan_side(w, first[0], v[2], first[2], n[2], v[0]));
-    if (n[0] > 1) BVXI_TRY(fan_side(w, v[2], first[0], first[0] + 1, n[0] - 2, first[0] + n[0] - 1));
-    return fan_side(w, first[0] + n[0] - 1, v[1], first[1], n[1], v[2]);
+    if (side[0].count == 0) return add_turned(w, v[0], v[1], v[2]);
+    first = side_vertex(p, &side[0], 0);
+    last = side_vertex(p, &side[0], side[0].count - 1);
+    BVXI_TRY(fan_side(w, first, v[2], &side[2], 0, side[2].count, v[0]));
+    if (first != last) BVXI_TRY(fan_side(w, v[2], first, &side[0], 1, side[0].count - 1, last));
+    return fan_side(w, last, v[1], &side[1], 0, side[1].count, v[2]);
 }
 
 static bvx_status fill_region(cap_work *w)
 {
     for (uint32_t i = 0; i < w->count; i++) {
-        w->at[i][0] = w->plane->q[w->corner[i]][0];
-        w->at[i][1] = w->plane->q[w->corner[i]][1];
+        /* points in line as given are in line here, which fixed point would not keep */
+        for (int k = 0; k < 2; k++) w->at[i][k] = w->plane->lines ? w->plane->q[w->corner[i]][k] : w->plane->uv[w->corner[i]][k];
         w->at[i][2] = 0.0;
     }
     BVXI_TRY(bvxi_polygon_cut(&w->polygon, (const double (*)[3])w->at, w->count, w->cut));
@@ -261,11 +321,15 @@ static bvx_status fill_regions(cap_work *w, uint32_t *owner)
 {
     const bvxi_plane *const p = w->plane;
     find_owners(p, owner);
+    find_corners(w);
+    for (uint32_t h = 0; h < p->contour_count; h++)
+        if (p->contour[h].hole && owner[h] == BVXI_NONE) owner[h] = CAP_ALONE;
     for (uint32_t o = 0; o < p->contour_count; o++) {
         const bvxi_contour *const c = &p->contour[o];
-        if (c->hole) continue;
-        for (uint32_t i = 0; i < c->count; i++) w->corner[i] = c->first + i;
-        w->count = c->count;
+        if (c->hole && owner[o] != CAP_ALONE) continue;
+        w->count = 0;
+        for (uint32_t i = c->first; i < c->first + c->count; i++)
+            if (w->after[i] != BVXI_NONE) w->corner[w->count++] = i;
         w->bridge_count = 0;
         BVXI_TRY(join_holes(w, owner, o));
         BVXI_TRY(fill_region(w));
@@ -285,6 +349,7 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     w.side = side;
     w.polygon.ctx = s->ctx;
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * 4, "the holes of a cap", &owner);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.after);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.corner);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * sizeof *w.bridge, "the bridges of a cap", &w.bridge);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * sizeof *w.at, "the corners of a cap", &w.at);
@@ -295,6 +360,7 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     bvxi_free(s->ctx, w.at, corners * sizeof *w.at);
     bvxi_free(s->ctx, w.bridge, (uint64_t)plane->contour_count * sizeof *w.bridge);
     bvxi_free(s->ctx, w.corner, corners * 4);
+    bvxi_free(s->ctx, w.after, corners * 4);
     bvxi_free(s->ctx, owner, (uint64_t)plane->contour_count * 4);
     return status;
 }

@@ -125,8 +125,16 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
         for (int k = 0; k < 3; k++) middle[k] += at[i][k];
     }
     for (int k = 0; k < 3; k++) middle[k] /= l->count;
-    if (faces != 0)
-        for (int k = 0; k < 3; k++) middle[k] += 0.25 * (l->centre[k] - middle[k]);
+    if (faces != 0) { /* off that face, by less for smaller loops: the cone over a hole stays inside that of the loop round it */
+        double reach = 0.0, share;
+        for (uint32_t i = 0; i < l->count; i++) {
+            double const d = fill_length(at[i], middle);
+            if (d > reach) reach = d;
+        }
+        reach = sqrt(reach);
+        share = 0.5 * reach / (reach + sqrt(fill_length(l->centre, middle)));
+        for (int k = 0; k < 3; k++) middle[k] += share * (l->centre[k] - middle[k]);
+    }
     s->report.inner_vertices++;
     BVXI_TRY(bvxi_section_add_vertex(s, middle, &number));
     for (uint32_t i = 0; i < l->count; i++)
@@ -137,8 +145,11 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
 bvx_status bvxi_fill_loop(bvxi_stack *s, const bvxi_loop_fill *l)
 {
     bvx_status status = BVX_ERR_EMPTY;
-    if (l->count == 3) return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
+    uint32_t common = 0xff;
+    for (uint32_t i = 0; i < l->count; i++) common &= l->faces[i];
+    if (l->count == 3 && common == 0) return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
     for (uint32_t i = 0; i < l->count; i++) l->at[i] = s->mesh.position + 3 * (uint64_t)l->vertex[i];
+    if (common != 0) return fill_by_vertex(s, l, l->at); /* flat on one face, where the neighbour has the same loop */
     if (l->count <= FILL_EXACT) {
         fill_table t;
         if (fill_by_area(l, l->at, &t)) return emit_table(s, l, &t);

@@ -361,24 +361,6 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
     ring_of(p, a->point, &first, &end);
     for (uint32_t i = first; i < end; i++)
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)), k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE));
-    /* a triangle on the plane itself would lie on the other side's */
-    if (count == 3) {
-        double middle[3], centre[3];
-        uint32_t number;
-        double const unit = (double)(1 << t->s->fine);
-        bvxi_section_place(t->s, t->s->origin[0] + (t->low[0] + 0.5 * t->size) / unit * t->s->step[0],
-                           t->s->origin[1] + (t->low[1] + 0.5 * t->size) / unit * t->s->step[1], 0.5 * (t->low_w + t->high_w), centre);
-        for (int i = 0; i < 3; i++) {
-            const double *const pos = t->s->mesh.position;
-            middle[i] = (pos[3 * (uint64_t)t->vertex[0] + (uint64_t)i] + pos[3 * (uint64_t)t->vertex[1] + (uint64_t)i] +
-                         pos[3 * (uint64_t)t->vertex[2] + (uint64_t)i]) / 3.0;
-            middle[i] += 0.25 * (centre[i] - middle[i]);
-        }
-        t->s->report.inner_vertices++;
-        BVXI_TRY(bvxi_section_add_vertex(t->s, middle, &number));
-        for (uint32_t i = 0; i < 3; i++) BVXI_TRY(bvxi_section_add_triangle(t->s, t->vertex[i], t->vertex[(i + 1) % 3], number));
-        return BVX_OK;
-    }
     return fill_traced(t, count);
 }
 
