@@ -86,12 +86,18 @@ static inline void stack_random(section_maker *m, uint64_t *seed)
         int const bodies = k > 0 && k + 1 < sections && maker_below(seed, 20) == 0 ? 0 : 1 + maker_below(seed, 4);
         position += maker_between(seed, 0.2, 1.4, 1000);
         for (int j = 0; j < bodies; j++) {
-            double const x = 2.6 * (j & 1) + maker_between(seed, 0.0, 0.4, 1000), y = 2.6 * (j >> 1) + maker_between(seed, 0.0, 0.4, 1000);
-            double const r = maker_between(seed, 0.2, 1.05, 1000), wave = maker_between(seed, 0.0, 0.3, 1000);
-            stack_round(m, section, x, y, r, r, 4 * (1 + maker_below(seed, 12)), wave, maker_between(seed, 0.0, 1.0, 1000), maker_below(seed, 2));
-            if (maker_below(seed, 5) < 3) continue;
-            stack_round(m, section, x, y, 0.35 * r, 0.3 * r, 4 * (1 + maker_below(seed, 5)), 0.2, 0.3, maker_below(seed, 2));
-            if (maker_below(seed, 2) == 0) stack_round(m, section, x, y, 0.12 * r, 0.1 * r, 4 + maker_below(seed, 5), 0.0, 0.0, maker_below(seed, 2));
+            /* one draw a statement: the order in which arguments are evaluated is the compiler's */
+            double const shift_x = maker_between(seed, 0.0, 0.4, 1000), x = 2.6 * (j & 1) + shift_x;
+            double const shift_y = maker_between(seed, 0.0, 0.4, 1000), y = 2.6 * (j >> 1) + shift_y;
+            double const r = maker_between(seed, 0.2, 1.05, 1000);
+            double const wave = maker_between(seed, 0.0, 0.3, 1000);
+            double const phase = maker_between(seed, 0.0, 1.0, 1000);
+            int const n = 4 * (1 + maker_below(seed, 12)), hole = 4 * (1 + maker_below(seed, 5)), island = 4 + maker_below(seed, 5);
+            int const depth = maker_below(seed, 10); /* 0 to 5: no hole; 6, 7: a hole; 8, 9: and an island */
+            int const turns = maker_below(seed, 8);
+            stack_round(m, section, x, y, r, r, n, wave, phase, turns & 1);
+            if (depth > 5) stack_round(m, section, x, y, 0.35 * r, 0.3 * r, hole, 0.2, 0.3, turns >> 1 & 1);
+            if (depth > 7) stack_round(m, section, x, y, 0.12 * r, 0.1 * r, island, 0.0, 0.0, turns >> 2);
         }
     }
 }
