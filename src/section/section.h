@@ -140,7 +140,9 @@ typedef struct bvxi_loop_fill {
     uint32_t count;
     const uint32_t *vertex;  /* of the mesh, in the direction of the triangles */
     const uint8_t *faces;    /* cell faces that each lies on */
-    double centre[3];        /* of the cell */
+    const int32_t *low;      /* of the cell, in fixed point */
+    int32_t size;
+    double low_w, high_w;
     const double **at;       /* scratch: count each */
     uint32_t *next, *before;
 } bvxi_loop_fill;

@@ -35,10 +35,9 @@ typedef struct split_work {
     uint32_t odd_u[2], odd_v[2]; /* crossings of the low and high half of the line of the middle u, of the middle v */
 } split_work;
 
-bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t count, uint32_t *room, uint64_t item, const char *what)
+bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what)
 {
     uint64_t const larger = *room < 64 ? 64 : (uint64_t)*room + *room / 2;
-    if (count < *room) return BVX_OK;
     if (larger > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", s->function, what);
     BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
     *room = (uint32_t)larger;

@@ -61,6 +61,11 @@ static inline int bvxi_grid_bit(const bvxi_stack *s, const bvxi_plane *p, int32_
 }
 
 /* An array with room for one more. */
-bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t count, uint32_t *room, uint64_t item, const char *what);
+bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what);
+
+static inline bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t count, uint32_t *room, uint64_t item, const char *what)
+{
+    return BVXI_LIKELY(count < *room) ? BVX_OK : bvxi_slab_enlarge(s, block, room, item, what);
+}
 
 #endif

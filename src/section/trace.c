@@ -299,16 +299,16 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
 static bvx_status fill_traced(bvxi_trace *t, uint32_t count)
 {
     bvxi_loop_fill l;
-    double const half = 0.5 * t->size;
-    double const unit = (double)(1 << t->s->fine);
     l.count = count;
     l.vertex = t->vertex;
     l.faces = t->faces;
     l.at = t->at;
     l.next = t->next;
     l.before = t->before;
-    bvxi_section_place(t->s, t->s->origin[0] + (t->low[0] + half) / unit * t->s->step[0], t->s->origin[1] + (t->low[1] + half) / unit * t->s->step[1],
-                       0.5 * (t->low_w + t->high_w), l.centre);
+    l.low = t->low;
+    l.size = t->size;
+    l.low_w = t->low_w;
+    l.high_w = t->high_w;
     return bvxi_fill_loop(t->s, &l);
 }
 
