@@ -77,13 +77,16 @@ static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const d
 static bvx_status csl_points(bvxi_contour_file *f, double *points, uint64_t count, double *position)
 {
     double const *const n = f->sections.normal;
-    double sum = 0.0;
+    double first = 0.0, sum = 0.0; /* from the first point, so that equal heights have themselves as their mean */
     for (uint64_t i = 0; i < count; i++) {
         double *const p = points + 3 * i;
+        double height;
         for (int k = 0; k < 3; k++) BVXI_TRY(csl_real(f, "expected a point's coordinate", &p[k]));
-        sum += (p[0] * n[0] + p[1] * n[1]) + p[2] * n[2];
+        height = (p[0] * n[0] + p[1] * n[1]) + p[2] * n[2];
+        if (i == 0) first = height;
+        sum += height - first;
     }
-    if (count != 0) *position = sum / (double)count;
+    if (count != 0) *position = first + sum / (double)count;
     return BVX_OK;
 }
 
