@@ -11,7 +11,7 @@
 
 bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line, uint32_t *number)
 {
-    bvxi_cut *c;
+    bvxi_line_cut *c;
     if (p->cut_count == p->cut_room) {
         uint64_t const room = p->cut_room < 256 ? 256 : (uint64_t)p->cut_room + p->cut_room / 2;
         if (room > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: section %u crosses the grid more than 2^31 times", s->function,
@@ -64,7 +64,7 @@ static void turn_beyond(arc_walk *w, int32_t row)
 }
 
 /* Over one line; cell is still the one before it. */
-static bvx_status cross_line(arc_walk *w, uint32_t segment, int axis, int up)
+static bvx_status cross_grid_line(arc_walk *w, uint32_t segment, int axis, int up)
 {
     int32_t const index = w->cell[axis] + up;
     uint32_t cut = 0;
@@ -96,7 +96,7 @@ static bvx_status walk_segment(arc_walk *w, uint32_t i)
         int axis = left[0] == 0;
         if (left[0] != 0 && left[1] != 0)
             axis = !bvxi_x_first(a, b, (w->cell[0] + up[0]) << w->s->fine, (w->cell[1] + up[1]) << w->s->fine);
-        BVXI_TRY(cross_line(w, i, axis, up[axis]));
+        BVXI_TRY(cross_grid_line(w, i, axis, up[axis]));
         left[axis]--;
     }
     return BVX_OK;
@@ -127,7 +127,7 @@ static void place_arcs(const bvxi_stack *s, bvxi_plane *p)
             cell[0] = p->q[a->point][0] >> s->fine;
             cell[1] = p->q[a->point][1] >> s->fine;
         } else { /* straight from line to line */
-            const bvxi_cut *const c = &p->cut[a->from];
+            const bvxi_line_cut *const c = &p->cut[a->from];
             const int32_t *const q = p->q[c->segment], *const n = p->q[p->next[c->segment]];
             int const k = c->axis, o = 1 - k;
             int32_t low = 0, high = s->size[o] - 1;
@@ -199,7 +199,7 @@ double bvxi_plane_area(const bvxi_stack *s, const bvxi_plane *p)
 /* ---- the ring ---- */
 
 /* Order of two crossings on one segment: -1, 0 (they are one), 1. */
-static int order_on_segment(const bvxi_plane *p, const bvxi_cut *c, const bvxi_cut *d)
+static int order_on_segment(const bvxi_plane *p, const bvxi_line_cut *c, const bvxi_line_cut *d)
 {
     const int32_t *const a = p->q[c->segment], *const b = p->q[p->next[c->segment]];
     if (c->axis == d->axis) {
@@ -240,7 +240,7 @@ static void number_ring(bvxi_plane *p, const uint32_t *start, const uint32_t *so
         uint32_t const end = k + 1 < p->point_count ? start[k + 1] : p->cut_count;
         p->ring[k] = n++;
         for (uint32_t i = start[k]; i < end; i++) {
-            bvxi_cut *const c = &p->cut[sorted[i]];
+            bvxi_line_cut *const c = &p->cut[sorted[i]];
             if (i > start[k] && order_on_segment(p, c, &p->cut[sorted[i - 1]]) == 0) n--;
             c->ring = n++;
         }
@@ -265,7 +265,7 @@ bvx_status bvxi_plane_ring(bvxi_stack *s, bvxi_plane *p)
 
 /* Where a crossing lies, on the segment as given. One through a meeting of two lines, which are two crossings at one place, is
  * moved a little along the segment, as the lines are thought to be. */
-static void cut_place(const bvxi_stack *s, const bvxi_plane *p, const bvxi_cut *c, double at[3])
+static void cut_place(const bvxi_stack *s, const bvxi_plane *p, const bvxi_line_cut *c, double at[3])
 {
     const int32_t *const a = p->q[c->segment], *const b = p->q[p->next[c->segment]];
     const double *const from = s->given->points + 3 * (uint64_t)p->given[c->segment];

@@ -18,12 +18,12 @@
 enum { BVXI_SECTION_DEEPEST = 8, BVXI_SECTION_EXTENT_BITS = 29 };
 
 /* Where a contour's segment crosses a line of the grid: axis 0 is a line of one u, axis 1 of one v. */
-typedef struct bvxi_cut {
+typedef struct bvxi_line_cut {
     uint32_t segment; /* from point segment to the next one of its loop */
     int32_t line;     /* fixed point */
     int32_t axis;
     uint32_t ring;    /* its place in the plane's ring, once that is known */
-} bvxi_cut;
+} bvxi_line_cut;
 
 /* A piece of a loop within a cell, inside on its left: from a cut over count points, the first of them point, to a cut.
  * A loop that lies in the cell whole has no cuts. */
@@ -52,7 +52,7 @@ typedef struct bvxi_plane {
     uint32_t *next;
     bvxi_contour *contour;
     uint64_t *inside;        /* a bit a grid point, rows of words */
-    bvxi_cut *cut;           /* first those with lines of the grid, in ring order, then those of subdivided cells */
+    bvxi_line_cut *cut;           /* first those with lines of the grid, in ring order, then those of subdivided cells */
     uint32_t cut_count, cut_room, grid_cut_count;
     bvxi_arc *arc;           /* in the cells of the grid */
     uint32_t *arc_cell;
@@ -185,7 +185,7 @@ static inline int bvxi_x_first(const int32_t *a, const int32_t *b, int32_t x, in
 }
 
 /* 1 when a crossing lies beyond the line m of the other axis. */
-static inline int bvxi_cut_beyond(const bvxi_plane *p, const bvxi_cut *c, int32_t m)
+static inline int bvxi_cut_beyond(const bvxi_plane *p, const bvxi_line_cut *c, int32_t m)
 {
     const int32_t *const a = p->q[c->segment], *const b = p->q[p->next[c->segment]];
     int const k = c->axis, o = 1 - k;

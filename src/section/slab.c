@@ -158,7 +158,7 @@ static uint32_t quadrant_of_point(const split_work *w, const int32_t q[2])
     return (uint32_t)(q[0] > w->middle[0]) | (uint32_t)(q[1] > w->middle[1]) << 1;
 }
 
-static uint32_t quadrant_of_cut(const split_work *w, const bvxi_plane *p, const bvxi_cut *c)
+static uint32_t quadrant_of_cut(const split_work *w, const bvxi_plane *p, const bvxi_line_cut *c)
 {
     uint32_t const own = c->line > w->middle[c->axis], other = (uint32_t)bvxi_cut_beyond(p, c, w->middle[1 - c->axis]);
     return c->axis == 0 ? own | other << 1 : other | own << 1;
@@ -242,7 +242,7 @@ static uint32_t corners_of_quarters(const split_work *w, const bvxi_plane *p, co
         const bvxi_arc *const a = &w->pool[c->arc[k] + i];
         if (a->from == BVXI_NONE) continue;
         for (int e = 0; e < 2; e++) {
-            const bvxi_cut *const cut = &p->cut[e ? a->to : a->from];
+            const bvxi_line_cut *const cut = &p->cut[e ? a->to : a->from];
             if (!bvxi_cut_beyond(p, cut, w->middle[1 - cut->axis])) odd[bvxi_side_of(cut, c->low)] ^= 1;
         }
     }

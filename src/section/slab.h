@@ -49,7 +49,7 @@ void bvxi_cell_arcs_set(bvxi_cell_arcs *lists, const bvxi_plane *plane);
 void bvxi_cell_arcs_close(bvxi_stack *s, bvxi_cell_arcs *lists);
 
 /* Which side of a cell a cut lies on: 0 low v, 1 high u, 2 high v, 3 low u: counter-clockwise. */
-static inline int bvxi_side_of(const bvxi_cut *c, const int32_t low[2])
+static inline int bvxi_side_of(const bvxi_line_cut *c, const int32_t low[2])
 {
     if (c->axis == 0) return c->line == low[0] ? 3 : 1;
     return c->line == low[1] ? 0 : 2;

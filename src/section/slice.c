@@ -117,7 +117,7 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
 
 /* ---- triangles by plane ---- */
 
-static void corners_of(const slice_work *w, uint64_t t, uint32_t c[3])
+static void slice_corners(const slice_work *w, uint64_t t, uint32_t c[3])
 {
     bvxi_view_triangle(w->view, t, c);
     for (int k = 0; k < 3; k++) c[k] = w->weld[c[k]];
@@ -127,7 +127,7 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 {
     double low, high;
     uint32_t c[3];
-    corners_of(w, t, c);
+    slice_corners(w, t, c);
     low = high = w->height[c[0]];
     for (int k = 1; k < 3; k++) {
         double const h = w->height[c[k]];
@@ -138,7 +138,7 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
     *end = planes_up_to(w, high);
 }
 
-static bvx_status list_triangles(slice_work *w)
+static bvx_status list_by_plane(slice_work *w)
 {
     BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, (w->plane_count + 1) * 8, "the triangles of planes", &w->first));
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
@@ -199,7 +199,7 @@ static uint64_t gather_pieces(slice_work *w, uint64_t plane)
     uint64_t n = 0;
     for (uint64_t i = w->first[plane]; i < w->first[plane + 1]; i++) {
         uint32_t c[3];
-        corners_of(w, w->list[i], c);
+        slice_corners(w, w->list[i], c);
         for (int k = 0; k < 3; k++) {
             uint32_t const a = c[k], b = c[(k + 1) % 3];
             int const up = w->height[a] < z && w->height[b] >= z, down = w->height[a] >= z && w->height[b] < z;
@@ -327,7 +327,7 @@ static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_secti
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 8, "the vertices' heights", &w->height));
     BVXI_TRY(read_heights(w, &low, &high));
     BVXI_TRY(make_planes(w, o, low, high));
-    BVXI_TRY(list_triangles(w));
+    BVXI_TRY(list_by_plane(w));
     BVXI_TRY(open_result(w));
     BVXI_TRY(slice_planes(w));
     return close_result(w, sections);

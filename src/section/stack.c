@@ -170,8 +170,8 @@ static bvx_status check_flatness(bvxi_stack *s)
 static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint32_t *plane_of, uint64_t *key)
 {
     const bvx_sections *const g = s->given;
-    memset(loops, 0, g->section_count * 4);
-    memset(points, 0, g->section_count * 8);
+    memset(loops, 0, (size_t)g->section_count * 4);
+    memset(points, 0, (size_t)g->section_count * 8);
     for (uint64_t i = 0; i < g->loop_count; i++) {
         if (g->loops[i].label != s->options.label) continue;
         loops[g->loops[i].section]++;

@@ -51,8 +51,8 @@ static bvx_status open_loop(bvxi_trace *t, uint64_t count)
             return status;
         }
         if (old != 0) {
-            memcpy(vertex, t->vertex, old * 4);
-            memcpy(faces, t->faces, old);
+            memcpy(vertex, t->vertex, (size_t)old * 4);
+            memcpy(faces, t->faces, (size_t)old);
         }
         bvxi_free(s->ctx, t->before, old * 4);
         bvxi_free(s->ctx, t->next, old * 4);
@@ -111,7 +111,7 @@ static bvx_status gather_ends(bvxi_trace *t)
             if (a->from == BVXI_NONE) continue;
             for (int to = 0; to < 2; to++) {
                 bvxi_trace_end *e;
-                const bvxi_cut *const c = &p->cut[to ? a->to : a->from];
+                const bvxi_line_cut *const c = &p->cut[to ? a->to : a->from];
                 BVXI_TRY(bvxi_slab_grow(t->s, &t->end, t->end_count, &t->end_room, sizeof *t->end, "the crossings of a cell"));
                 e = &t->end[t->end_count++];
                 e->arc = i;
@@ -141,7 +141,7 @@ static void link_arcs(bvxi_trace *t)
 }
 
 /* 1 when crossing c comes before d on one line, towards higher coordinates; exact. */
-static int cut_before(const bvxi_plane *p, const bvxi_cut *c, const bvxi_cut *d)
+static int cut_before(const bvxi_plane *p, const bvxi_line_cut *c, const bvxi_line_cut *d)
 {
     int const k = c->axis, o = 1 - k;
     const int32_t *const ca = p->q[c->segment], *const cb = p->q[p->next[c->segment]];

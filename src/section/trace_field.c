@@ -6,7 +6,7 @@
  * nearer one where there are two. */
 #include "section/trace.h"
 
-#define EDGE_MARGIN (1.0 / 1024.0)
+#define FIELD_EDGE_MARGIN (1.0 / 1024.0)
 
 static double node_value(bvxi_trace *t, int k, const bvxi_trace_node *n)
 {
@@ -29,8 +29,8 @@ bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const
     from = node_value(t, k, low);
     to = node_value(t, k, high);
     share = from - to != 0.0 ? from / (from - to) : 0.5;
-    if (!(share > EDGE_MARGIN)) share = EDGE_MARGIN;
-    if (share > 1.0 - EDGE_MARGIN) share = 1.0 - EDGE_MARGIN;
+    if (!(share > FIELD_EDGE_MARGIN)) share = FIELD_EDGE_MARGIN;
+    if (share > 1.0 - FIELD_EDGE_MARGIN) share = 1.0 - FIELD_EDGE_MARGIN;
     for (int i = 0; i < 2; i++) {
         double const l = bvxi_fixed_u(s, i, low->at[i]), h = bvxi_fixed_u(s, i, high->at[i]);
         uv[i] = i == axis ? l + share * (h - l) : l;
