@@ -25,6 +25,7 @@ enum { SPLIT_STACK = 4 * (BVXI_SECTION_DEEPEST + 1) };
 typedef struct split_work {
     bvxi_stack *s;
     bvxi_slab *slab;
+    const bvxi_slab *last;
     bvxi_cell_arcs lists[2];
     bvxi_arc *pool;
     uint32_t pool_count, pool_room;
@@ -109,11 +110,18 @@ static double fixed_place(const bvxi_stack *s, int axis, int32_t q)
     return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
 }
 
+/* Counts are of planes, of which most have a slab on either side: the one above counts, for the last plane the one below. */
+static int counts_here(const split_work *w, int k)
+{
+    return k == 0 || w->slab == w->last;
+}
+
 /* What is still crossed more than once is counted once an edge: at its cell with higher coordinates. */
 static void count_unkept(split_work *w, const split_cell *c)
 {
     bvxi_stack *const s = w->s;
     for (int k = 0; k < 2; k++) {
+        if (!counts_here(w, k)) continue;
         const bvxi_plane *const p = w->slab->plane[k];
         double const middle[2] = {fixed_place(s, 0, c->low[0] + c->size / 2), fixed_place(s, 1, c->low[1] + c->size / 2)};
         uint32_t ends[4];
@@ -361,6 +369,7 @@ static void count_supposition(split_work *w, const split_cell *c)
 {
     for (int k = 0; k < 2; k++) {
         uint32_t ends[4];
+        if (!counts_here(w, k)) continue;
         w->s->report.inner_loops += count_ends(w->slab->plane[k], w->pool + c->arc[k], c->arc_count[k], c->low, ends);
         w->s->report.multiple_edges += (uint64_t)(ends[0] > 1) + (uint64_t)(ends[3] > 1);
     }
@@ -483,6 +492,7 @@ static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
     bvx_status status;
     memset(&w, 0, sizeof w);
     w.s = s;
+    w.last = slabs + count - 1;
     status = bvxi_cell_arcs_open(s, &w.lists[0]);
     if (status == BVX_OK) status = bvxi_cell_arcs_open(s, &w.lists[1]);
     if (status == BVX_OK) status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, bytes, "the cells that contours touch", &touched);

