@@ -1231,8 +1231,8 @@ BVX_API bvx_status bvx_write_slices(bvx_context *context, const bvx_grid *part, 
 
 typedef struct bvx_read_sections_options {
     size_t struct_size;
-    double close_gap;  /**< CSV: a loop may be given without its last side only when this allows the gap: 0 closes every loop, more
-                            refuses loops whose ends lie further apart [Units: world] [Default: 0] */
+    double close_gap;  /**< CSV: loops whose first and last points lie further apart than this are refused as open polylines; 0 closes
+                            all of them by a straight side [Units: world] [Limit: 0 and more] [Default: 0] */
     uint64_t reserved;
 } bvx_read_sections_options;
 

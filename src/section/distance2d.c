@@ -1,7 +1,7 @@
 /* distance2d.c - distances on a section's plane: from a place to the nearest segment of its contours.
  *
  * Groups of four segments, in the order of the loops, are the leaves of a binary heap of boxes: a loop's order keeps near things
- * together, so nothing is sorted. A search starts from the distance to a segment that was nearest to the last place, and
+ * together, so nothing is sorted. A search goes up from the segment that was nearest to the last place, and
  * leaves out boxes that lie no nearer. The result is the least of the same squares whatever the start. */
 #include "section/section.h"
 
@@ -59,22 +59,28 @@ static inline double segment_square(const bvxi_plane *p, uint32_t i, double u, d
     return ex * ex + ey * ey;
 }
 
-double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hint)
+/* The least square in a group of segments, where it is less than best. */
+static double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double u, double v, double best, uint32_t *hint)
 {
-    uint32_t stack[DISTANCE_STACK], top = 0, node = 1;
-    double far[DISTANCE_STACK], best;
-    if (*hint >= p->point_count) *hint = 0;
-    best = segment_square(p, *hint, u, v);
+    uint32_t const first = leaf * DISTANCE_GROUP;
+    for (uint32_t i = first; i < first + DISTANCE_GROUP && i < p->point_count; i++) {
+        double const d = segment_square(p, i, u, v);
+        if (d < best) {
+            best = d;
+            *hint = i;
+        }
+    }
+    return best;
+}
+
+/* The same for all segments below a box. */
+static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double v, double best, uint32_t *hint)
+{
+    uint32_t stack[DISTANCE_STACK], top = 0;
+    double far[DISTANCE_STACK];
     for (;;) {
         if (node >= p->leaf_count) {
-            uint32_t const first = (node - p->leaf_count) * DISTANCE_GROUP;
-            for (uint32_t i = first; i < first + DISTANCE_GROUP && i < p->point_count; i++) {
-                double const d = segment_square(p, i, u, v);
-                if (d < best) {
-                    best = d;
-                    *hint = i;
-                }
-            }
+            best = nearest_in_group(p, node - p->leaf_count, u, v, best, hint);
         } else {
             double const a = box_square(p->box[2 * node], u, v), b = box_square(p->box[2 * node + 1], u, v);
             uint32_t const near = a <= b ? 2 * node : 2 * node + 1;
@@ -89,9 +95,22 @@ double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hi
             }
         }
         while (top > 0 && far[top - 1] >= best) top--;
-        if (top == 0) return sqrt(best);
+        if (top == 0) return best;
         node = stack[--top];
     }
+}
+
+/* From the group of the hint upwards: at each step the box beside is looked into when it may hold something nearer. */
+double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hint)
+{
+    uint32_t node;
+    double best;
+    if (*hint >= p->point_count) *hint = 0;
+    node = p->leaf_count + *hint / DISTANCE_GROUP;
+    best = nearest_in_group(p, node - p->leaf_count, u, v, 1e300, hint);
+    for (; node > 1; node >>= 1)
+        if (box_square(p->box[node ^ 1], u, v) < best) best = nearest_below(p, node ^ 1, u, v, best, hint);
+    return sqrt(best);
 }
 
 /* An odd number of segments to the right; the place is snapped to odd numbers as the contours are, so one on a contour falls on

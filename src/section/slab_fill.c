@@ -8,6 +8,7 @@ typedef struct fill_work {
     bvxi_cell_arcs lists[2];
     bvxi_vertex_map map[2];
     uint64_t *touched;   /* cells in rows of words: those that contours touch */
+    uint64_t *split_bit; /* those that were subdivided */
     uint32_t split;      /* the next subdivided cell */
     uint32_t top;        /* the list of the plane above */
     uint32_t map_top;    /* the map of the level above */
@@ -55,6 +56,24 @@ static bvx_status gather_arcs(fill_work *w, uint32_t number)
     return BVX_OK;
 }
 
+static int is_split(const fill_work *w, int32_t i, int32_t j)
+{
+    if (i < 0 || j < 0 || i >= w->s->size[0] || j >= w->s->size[1]) return 0;
+    return (int)(w->split_bit[(size_t)j * (size_t)w->s->words + (size_t)(i >> 6)] >> (i & 63) & 1);
+}
+
+static void mark_split(fill_work *w, int set)
+{
+    const bvxi_slab *const slab = w->field.slab;
+    uint32_t const nx = (uint32_t)w->s->size[0];
+    for (uint32_t n = 0; n < slab->split_count; n++) {
+        uint32_t const x = slab->split[n].cell % nx, y = slab->split[n].cell / nx;
+        uint64_t *const word = &w->split_bit[(size_t)y * (size_t)w->s->words + (x >> 6)];
+        if (set) *word |= UINT64_C(1) << (x & 63);
+        else *word = 0;
+    }
+}
+
 static bvx_status fill_cell(fill_work *w, int32_t i, int32_t j)
 {
     bvxi_trace *const t = &w->trace;
@@ -63,6 +82,7 @@ static bvx_status fill_cell(fill_work *w, int32_t i, int32_t j)
     t->number = (uint32_t)j * (uint32_t)w->s->size[0] + (uint32_t)i;
     if (w->split < slab->split_count && slab->split[w->split].cell == t->number) {
         const bvxi_split *const split = &slab->split[w->split++];
+        t->beside_split = 1;
         for (uint32_t n = split->leaf; n < split->leaf + split->leaf_count; n++) {
             const bvxi_leaf *const leaf = &slab->leaf[n];
             t->low[0] = leaf->low[0];
@@ -79,6 +99,8 @@ static bvx_status fill_cell(fill_work *w, int32_t i, int32_t j)
     t->low[0] = (int32_t)((uint32_t)i << fine);
     t->low[1] = (int32_t)((uint32_t)j << fine);
     t->size = 1 << fine;
+    t->beside_split = slab->split_count != 0 &&
+                      (is_split(w, i - 1, j) || is_split(w, i + 1, j) || is_split(w, i, j - 1) || is_split(w, i, j + 1));
     BVXI_TRY(gather_arcs(w, t->number));
     return bvxi_trace_cell(t);
 }
@@ -142,6 +164,7 @@ static bvx_status fill_slab(fill_work *w, bvxi_slab *slab)
     for (int k = 0; k < 2; k++) touch_cells(w, slab->plane[k], 1);
     bvxi_map_clear(&t->folds);
     BVXI_TRY(bvxi_field_set(&w->field, slab));
+    mark_split(w, 1);
     for (int32_t layer = 0; layer < w->field.layers; layer++) {
         w->map_top = 1 - w->map_top;
         bvxi_map_clear(&w->map[w->map_top]);
@@ -155,6 +178,7 @@ static bvx_status fill_slab(fill_work *w, bvxi_slab *slab)
         BVXI_TRY(fill_layer(w));
     }
     for (int k = 0; k < 2; k++) touch_cells(w, slab->plane[k], 0);
+    mark_split(w, 0);
     return BVX_OK;
 }
 
@@ -171,10 +195,12 @@ bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
     if (status == BVX_OK) status = bvxi_cell_arcs_open(s, &w.lists[0]);
     if (status == BVX_OK) status = bvxi_cell_arcs_open(s, &w.lists[1]);
     if (status == BVX_OK) status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, bytes, "the cells that contours touch", &w.touched);
+    if (status == BVX_OK) status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, bytes, "the subdivided cells", &w.split_bit);
     for (uint32_t i = 0; i < count && status == BVX_OK; i++) {
         status = bvxi_progress(s->ctx, "surface", (double)i / count);
         if (status == BVX_OK) status = fill_slab(&w, &slabs[i]);
     }
+    bvxi_free(s->ctx, w.split_bit, bytes);
     bvxi_free(s->ctx, w.touched, bytes);
     for (int k = 2; k-- > 0;) bvxi_map_free(s, &w.map[k]);
     bvxi_trace_free(&w.trace);

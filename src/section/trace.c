@@ -455,7 +455,7 @@ static bvx_status gather_nodes(bvxi_trace *t, uint32_t corner[5])
     for (int i = 0; i < 4; i++) {
         corner[i] = t->node_count;
         BVXI_TRY(add_corner(t, i));
-        if (t->field->slab->hanging_count != 0) BVXI_TRY(add_hanging_nodes(t, i));
+        if (t->beside_split) BVXI_TRY(add_hanging_nodes(t, i));
     }
     corner[4] = t->node_count;
     for (uint32_t i = 0; i < t->node_count; i++) level_node(&t->node[i], t->layer);

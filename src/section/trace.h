@@ -50,6 +50,7 @@ typedef struct bvxi_trace {
     /* the cell */
     int32_t low[2], size;
     uint32_t number;            /* of the grid cell */
+    int beside_split;           /* 1: it or a cell beside it was subdivided */
     const bvxi_arc *arc[2];
     uint32_t arc_count[2];
     bvxi_arc *gathered[2];      /* of a cell of the grid */

@@ -67,6 +67,10 @@ if [ "$BENCH_PEERS" != 0 ] && [ -n "${python:-}" ]; then "$python" tests/bench/p
 echo "== surfaces, fills, refinement"
 "$BENCHES/bench_voxels" "$MESHES" 5 >"$out/voxels.md" && cat "$out/voxels.md"
 
+echo "== bodies from sections"
+"$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
+if [ "$BENCH_PEERS" != 0 ] && [ -n "${python:-}" ]; then "$python" tests/bench/peers_sections.py "$out" 9 | tee -a "$out/sections.md"; fi
+
 echo "== the paper's tables"
 "$BENCHES/bench_paper" "$MESHES" >"$out/paper.md" && echo "in $out/paper.md"
 load >>"$out/load"
