@@ -102,6 +102,9 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
                            bvxi_stack *stack);
 void bvxi_stack_close(bvxi_stack *stack);
 
+/* stack_grid.c: lay the grid over the bounds. */
+bvx_status bvxi_stack_grid(bvxi_stack *stack);
+
 /* ---- stack_check.c: arrays that are none are refused, planes are put into order ---- */
 
 bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx_sections *given);
@@ -168,6 +171,8 @@ bvx_status bvxi_slabs_fill(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 void bvxi_slabs_free(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 /* The section's region as triangles; side 1: seen from above, -1: from below. */
 bvx_status bvxi_cap_fill(bvxi_stack *stack, const bvxi_plane *plane, int32_t side);
+/* Twice the area of a loop in fixed point, about; less than 0 for a hole. */
+double bvxi_cap_area(const bvxi_plane *plane, const bvxi_contour *contour);
 /* The same for the region within lines between vertices. */
 bvx_status bvxi_cap_fill_edges(bvxi_stack *stack, const uint32_t (*edge)[2], uint32_t count, int32_t side);
 

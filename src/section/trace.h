@@ -79,8 +79,10 @@ typedef struct bvxi_trace {
 } bvxi_trace;
 
 void bvxi_trace_free(bvxi_trace *t);
-/* The surface in the cell whose fields above are set (low, size, number, arc, arc_count; node: its four corners). */
+/* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
 bvx_status bvxi_trace_cell(bvxi_trace *t);
+/* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
+bvx_status bvxi_trace_nodes(bvxi_trace *t, uint32_t corner[5]);
 /* A strip of a side between two nodes: its links. below, above: crossings (points) in order. */
 bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_trace_node *left, const bvxi_trace_node *right, const uint32_t *below,
                             uint32_t below_count, const uint32_t *above, uint32_t above_count, uint32_t left_point, uint32_t right_point,
