@@ -1059,7 +1059,7 @@ typedef struct bvx_sections_options {
     int32_t crossings;     /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
     int32_t depth;         /**< a cell is halved at most this often [Limit: 0..8] [Default: 5] */
     int32_t label;         /**< the body [Default: BVX_LABEL_ONLY, the only one there is] */
-    int32_t position_type; /**< BVX_F32 or BVX_F64 [Default: BVX_F64, which keeps the contours' points] */
+    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64 [Default: BVX_F64, which keeps the contours' points] */
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
 } bvx_sections_options;
 
@@ -1082,7 +1082,7 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  *
  * Returns BVX_ERR_EMPTY (no loop, one section alone, a loop with fewer than three different points), BVX_ERR_FORMAT (a loop that
  * crosses or touches itself or another; two sections at one position; points off their plane: section, loop and point are named),
- * BVX_ERR_RANGE (not finite, a number beyond its array, f32 that would join points), BVX_ERR_ARGUMENT (also several labels and
+ * BVX_ERR_RANGE (not finite, a number beyond its array or the limits), BVX_ERR_ARGUMENT (also several labels and
  * none chosen), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
  * Memory: about 150 bytes a contour point or crossing, 20 bytes a cell of one section, the mesh twice.
  * Cost: O(crossings log points + cells / 64 a section); layers multiply what is between sections.
