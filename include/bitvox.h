@@ -992,13 +992,155 @@ BVX_API void bvx_lod_options_init(bvx_lod_options *options, size_t size);
 BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
                                   uint64_t level_count, bvx_mesh *levels);
 
+/* ---- Bodies from section contours --------------------------------------------------------------------------- */
+
+/** One closed loop of a section: a polygon whose last point is joined to its first, in either direction. */
+typedef struct bvx_section_loop {
+    uint64_t first_point; /**< number of its first point */
+    uint32_t point_count; /**< [Limit: 3 or more different points] */
+    uint32_t section;     /**< number of its section */
+    int32_t label;        /**< which body it belongs to */
+    int32_t reserved;
+} bvx_section_loop;
+
+/** Contours on parallel planes. A zeroed struct is empty and ready to receive; callers may also fill one with arrays of
+ *  their own (owned 0). Loops and sections may stand in any order; loops inside loops are holes, in these islands, and so on. */
+typedef struct bvx_sections {
+    double *points;           /**< x, y, z [Size: point_count * 3] [Units: world] */
+    bvx_section_loop *loops;  /**< [Size: loop_count] */
+    double *positions;        /**< where each section's plane lies along normal: point . normal / |normal| [Size: section_count] */
+    uint64_t point_count;     /**< [Limit: < 2^31] */
+    uint64_t loop_count;
+    uint64_t section_count;   /**< also of those that hold no loop: there is no body there */
+    uint64_t point_capacity, loop_capacity, section_capacity; /**< what the arrays hold */
+    double normal[3];         /**< of all planes, any length but 0 */
+    int32_t owned;            /**< 1 when bvx_sections_free returns the arrays to the allocator */
+    int32_t reserved;
+    uint64_t reserved2[4];
+} bvx_sections;
+
+/** Return what the library allocated and zero the struct. */
+BVX_API void bvx_sections_free(bvx_context *context, bvx_sections *sections);
+
+/** How a body ends at its first and last section. */
+enum {
+    BVX_CAPS_FLAT = 0,  /**< on the section's plane */
+    BVX_CAPS_TAPER = 1, /**< it runs to a ridge half a spacing beyond: at a height of t half spacings it is the section less all
+                             that lies within t times its half width of the contour */
+    BVX_CAPS_OPEN = 2   /**< not at all: the mesh has boundary edges there */
+};
+
+/** Where the surface meets the grid's edges on a section plane. */
+enum {
+    BVX_CROSSINGS_EXACT = 0,   /**< where the contour does; all of the contour is in the mesh */
+    BVX_CROSSINGS_PAPER = 1,   /**< by interpolated distances; contour points are put into the lines that join them */
+    BVX_CROSSINGS_CLASSIC = 2  /**< by interpolated distances alone: marching cubes */
+};
+
+enum { BVX_SECTIONS_LOCATED = 16, BVX_LABEL_ONLY = -2147483647 - 1 };
+
+/** What was found and done. */
+typedef struct bvx_sections_report {
+    double cell[2];           /**< sides of a grid cell [Units: world] */
+    int32_t grid[2];          /**< cells along the plane's two axes */
+    uint64_t sections;        /**< that hold the label */
+    uint64_t empty_sections;  /**< between these, without it: the body ends half way to them */
+    uint64_t loops, holes;    /**< holes: loops with outside on their inner side */
+    uint64_t points;
+    uint64_t repeated_points; /**< that equal the one before them: left out */
+    uint64_t crossings;       /**< of contours with the grid's edges */
+    uint64_t multiple_edges;  /**< grid edges crossed more than once */
+    uint64_t inner_loops;     /**< loops inside one grid cell */
+    uint64_t split_cells;     /**< grid cells that were subdivided */
+    uint64_t leaf_cells;      /**< cells that these became */
+    uint64_t unkept_edges;    /**< edges crossed more than once all the same: the contour is kept, what joins it to the other
+                                   section there is a guess */
+    uint64_t unkept_loops;    /**< loops inside one cell all the same: closed by a cone of their own */
+    uint64_t unkept_points;   /**< contour points that are no vertices: none but for the paper's crossings and the classic ones */
+    uint64_t samples;         /**< grid points of all sections */
+    uint64_t distances;       /**< distances to contours that were computed */
+    uint64_t skipped;         /**< samples whose distance nothing needed */
+    uint64_t ambiguous_faces; /**< faces with four crossings, between sections or on a plane without contours, decided by the field */
+    uint64_t inner_vertices;  /**< vertices put inside cells for loops that need one */
+    double prismoid_volume;   /**< sum of h / 3 (A + B + sqrt(A B)) over neighbouring sections of areas A and B; taper and ends at empty
+                                   sections count as cones, A h / 3 [Units: world^3] */
+    uint64_t located;         /**< places in unkept */
+    double unkept[16][3];     /**< the first BVX_SECTIONS_LOCATED of them [Units: world] */
+    uint64_t reserved[8];
+} bvx_sections_report;
+
+typedef struct bvx_sections_options {
+    size_t struct_size;
+    int32_t grid[2];       /**< cells along the plane's two axes, both or none [Limit: 2..8192] [Default: 0, 0] */
+    double spacing;        /**< side of a square cell [Units: world] [Default: 0; with no grid either: twice the mean length of the
+                                contours' segments, 16 to 512 cells along the longer side] */
+    int32_t layers;        /**< cells from section to section [Limit: 1..64] [Default: 1] */
+    int32_t caps;          /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
+    int32_t crossings;     /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
+    int32_t depth;         /**< a cell is halved at most this often [Limit: 0..8] [Default: 5] */
+    int32_t label;         /**< the body [Default: BVX_LABEL_ONLY, the only one there is] */
+    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64 [Default: BVX_F64, which keeps the contours' points] */
+    bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
+} bvx_sections_options;
+
+BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);
+
+/**
+ * The closed surface of a body through all of its section contours.
+ *
+ * A grid of square or stretched cells lies over the planes; a cell of the surface joins the same grid cell of two
+ * neighbouring sections. Inside tests are exact in fixed point (2^-29 of the extent). On a section plane the contour decides:
+ * its points are vertices with the coordinates given, its crossings with the grid's edges are vertices, and nothing else is;
+ * both sides of the plane use the same ones. Where an edge is crossed more than once, or a loop lies inside one cell, cells are
+ * subdivided up to depth times; what is still so is counted and located, and the surface is closed there too. Between
+ * planes the field is the linear blend of both sections' signed Euclidean distances, asked for only where the surface needs it.
+ * On a face with four crossings the field at the point where the lines joining opposite crossings meet decides. The surface is
+ * oriented, edge- and vertex-manifold, and closed but for open caps.
+ *
+ * Points off their plane keep their coordinates; the surface takes them as lying on it. [Limit: 1/1000 of the contours' extent and
+ * a quarter of the way to the next plane]
+ *
+ * Returns BVX_ERR_EMPTY (no loop, one section alone, a loop with fewer than three different points), BVX_ERR_FORMAT (a loop that
+ * crosses or touches itself or another; two sections at one position; points off their plane: section, loop and point are named),
+ * BVX_ERR_RANGE (not finite, a number beyond its array or the limits), BVX_ERR_ARGUMENT (also several labels and
+ * none chosen), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ * Memory: about 150 bytes a contour point or crossing, 20 bytes a cell of one section, the mesh twice.
+ * Cost: O(crossings log points + cells / 64 a section); layers multiply what is between sections.
+ * Source: "surface modelling in section data fields" (3D surfaces from section contours), with crossings and connectivity on
+ * section planes by the contour; Herman, Zheng, Bucholtz. Shape-based interpolation. 1992 (layers).
+ */
+BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *options,
+                                      bvx_mesh *mesh);
+
+typedef struct bvx_slice_options {
+    size_t struct_size;
+    double normal[3];        /**< of the planes, any length but 0 [Default: 0, 0, 1] */
+    double spacing;          /**< from plane to plane; the first lies half a spacing above the lowest point [Units: world] [Default: 0] */
+    const double *positions; /**< the planes instead: point . normal / |normal|, ascending [Size: position_count] [Default: NULL] */
+    uint64_t position_count; /**< [Limit: 1..2^20] */
+    int32_t label;           /**< of all loops [Default: 1] */
+    int32_t reserved;
+} bvx_slice_options;
+
+BVX_API void bvx_slice_options_init(bvx_slice_options *options, size_t size);
+
+/** The contours of a mesh on parallel planes: where a plane meets an edge there is a point; vertices on a plane count as above it.
+ *  The mesh must be closed and oriented where planes meet it (vertices at equal positions are one). Loops run with the inside on
+ *  their left, seen against the normal; loops of fewer than three different points are left out.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no plane meets the mesh), BVX_ERR_FORMAT (a loop that does not close, with its
+ *  place), BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the points, 60 bytes each while a plane is
+ *  cut, and 100 bytes a triangle. Cost: O(triangles log triangles + points log points). */
+BVX_API bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_slice_options *options,
+                                  bvx_sections *sections);
+
 /* ==== Second section: formats and pictures ================================================================== */
 
 enum {
     BVX_FORMAT_UNKNOWN = 0, BVX_FORMAT_STL = 1, BVX_FORMAT_OBJ = 2, BVX_FORMAT_PLY = 3, BVX_FORMAT_NPY = 4,
     BVX_FORMAT_PNG = 5, BVX_FORMAT_OFF = 6, BVX_FORMAT_GLB = 7, BVX_FORMAT_BINVOX = 8, BVX_FORMAT_VOX = 9,
     BVX_FORMAT_NRRD = 10, BVX_FORMAT_VTI = 11, BVX_FORMAT_BVX = 12,
-    BVX_FORMAT_VTU = 13
+    BVX_FORMAT_VTU = 13,
+    BVX_FORMAT_CSL = 20, BVX_FORMAT_CSV = 21, BVX_FORMAT_SVG = 22
 };
 
 /** Bytes made by the library; freed by bvx_buffer_free. */
@@ -1114,6 +1256,35 @@ BVX_API bvx_status bvx_read_lattice(bvx_context *context, const void *bytes, uin
 BVX_API bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
                                   bvx_buffer *file);
 BVX_API bvx_status bvx_write_slices(bvx_context *context, const bvx_grid *part, bvx_buffer *file);
+
+typedef struct bvx_read_sections_options {
+    size_t struct_size;
+    double close_gap;  /**< CSV: loops whose first and last points lie further apart than this are refused as open polylines; 0 closes
+                            all of them by a straight side [Units: world] [Limit: 0 and more] [Default: 0] */
+    uint64_t reserved;
+} bvx_read_sections_options;
+
+BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t size);
+
+/**
+ * Read section contours from the bytes of a file.
+ *
+ * BVX_FORMAT_CSL  planes with their equation A x + B y + C z + D = 0, points and loops with labels; loops marked as holes (25h3) are
+ *                 loops like others, as nesting decides. Planes must be parallel within 1e-4 rad; the first one's normal is taken.
+ * BVX_FORMAT_CSV  a head line and lines of section, position, loop, x, y in columns of these names (any order, others are left
+ *                 alone; also label); comma, semicolon or tab. Planes are z = position. Lines of a loop follow each other in
+ *                 its order; a first point that is repeated at the end is left out.
+ *
+ * Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (planes that are not parallel, no contour format), BVX_ERR_EMPTY,
+ * BVX_ERR_RANGE, BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET. Memory: a small multiple of the file. Cost: O(bytes).
+ */
+BVX_API bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                     const bvx_read_sections_options *options, bvx_sections *sections);
+
+/** Write section contours: BVX_FORMAT_CSL, BVX_FORMAT_CSV (planes z = position only) or BVX_FORMAT_SVG (a drawing: sections side by
+ *  side, filled by even-odd, y up). Numbers of CSL and CSV read back to the same ones.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE, BVX_ERR_UNSUPPORTED, BVX_ERR_MEMORY, BVX_ERR_BUDGET. Memory: the file. */
+BVX_API bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections, int32_t format, bvx_buffer *file);
 
 /** Pixels, top row first, red green blue. */
 typedef struct bvx_image {

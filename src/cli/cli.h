@@ -30,6 +30,8 @@ enum {
     CLI_FACES = 1 << 6,
     CLI_REFINE = 1 << 7,
     CLI_FILL = 1 << 8,
+    CLI_SECTIONS = 1 << 12,
+    CLI_SLICE = 1 << 13,
     CLI_ALL = 0x7fffffff
 };
 
@@ -108,6 +110,9 @@ typedef struct cli_options {
     cli_list seeds;             /* three numbers each */
     const char *mesh;           /* the file of a surface's mesh */
     int32_t connectivity;
+    int32_t layers, caps, crossings, subdivide, label; /* sections */
+    const char *block_model;
+    cli_triple block;
 } cli_options;
 
 /* What voxelize sets: the solid, or 1 + BVX_SURFACE_... */
@@ -472,7 +477,8 @@ const cli_command *cli_command_at(int i);
 /* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
-extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill;
+extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill,
+    cli_sections, cli_slice;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);

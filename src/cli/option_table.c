@@ -38,12 +38,14 @@ static const char *const axis_names[] = {"x", "y", "z", NULL};
 static const char *const state_names[] = {"outside", "inside", "surface", NULL};
 static const char *const connectivity_names[] = {"6", "18", "26", NULL};
 static const char *const auto_names[] = {"auto", NULL};
+static const char *const caps_names[] = {"flat", "taper", "open", NULL};
+static const char *const crossings_names[] = {"exact", "paper", "classic", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
 /* By BVX_FORMAT_...; those that are only written have no name here. */
 static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
 
 static const cli_argument arguments[] = {
-    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL, output,
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE, output,
               "where the result goes; the ending tells the format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis [8 x the finest level, less where memory is short]"),
@@ -101,6 +103,19 @@ static const cli_argument arguments[] = {
      "with --leaves: only those below a plane, once for each axis"},
     WHOLE("--expand", "L", CLI_REFINE | CLI_CONVERT | CLI_RENDER, expand, 0, 25,
           "the level of an octree that a grid is made of [the last]; with it\na .bvx file is written as a grid, not as an octree"),
+    SIZE("--grid", "NxM", CLI_SECTIONS, size, 8192, "cells over the sections [auto: sides of twice the mean length of the\ncontours' segments]"),
+    BETWEEN("--spacing", "S", CLI_SECTIONS, spacing, 0, 1e300, "side of a cell in the contours' unit, in place of --grid"),
+    WHOLE("--layers", "N", CLI_SECTIONS, layers, 1, 64, "layers of cells from section to section [1]"),
+    CHOICE("--caps", "HOW", CLI_SECTIONS, caps, caps_names, BVX_CAPS_FLAT,
+           "the ends: flat on the first and last section; taper to a ridge half a\nspacing beyond; open [flat]"),
+    CHOICE("--crossings", "HOW", CLI_SECTIONS, crossings, crossings_names, BVX_CROSSINGS_EXACT,
+           "on the sections' planes: exact, by the contours themselves; paper, by\ninterpolated distances with the contours' points put in; classic,\nmarching cubes [exact]"),
+    WHOLE("--subdivide", "N", CLI_SECTIONS, subdivide, 0, 8, "halve cells that a contour crosses twice on a side, N times at most [5]"),
+    WHOLE("--label", "L", CLI_SECTIONS, label, -2147483647.0, 2147483647.0, "the body, where the file holds several"),
+    FILE_NAME("--block-model", "CSV", CLI_SECTIONS, block_model, "also write blocks: centre, sides and the share that is inside"),
+    TRIPLE("--block", "X,Y,Z", CLI_SECTIONS, block, "sides of a block, with --block-model"),
+    CHOICE("--axis", "AXIS", CLI_SLICE, up_axis, axis_names, 1, "planes lie across x, y or z [z]"),
+    BETWEEN("--spacing", "S", CLI_SLICE, spacing, 0, 1e300, "from plane to plane; the first lies half of it above the low end"),
     FLAG("--carry", CLI_LOD, carry, "give each level the colours and texture coordinates of the nearest\npoints on the mesh"),
     LONG("--samples", "N", CLI_LOD | CLI_COMPARE, samples, 0, 2147483647, "points on each mesh for the distances, 0: none [20000]"),
     LIST("--seed", "X,Y,Z", CLI_FILL, seeds, 0, LARGEST_SIDE, 3, 63,

@@ -107,7 +107,7 @@ bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, u
     if (size == new_size) return BVX_OK;
     memcpy(&old, block, sizeof old);
     BVXI_TRY(bvxi_alloc(ctx, kind, new_size, what, &moved));
-    memcpy(moved, old, (size_t)(size < new_size ? size : new_size));
+    if (old != NULL) memcpy(moved, old, (size_t)(size < new_size ? size : new_size));
     bvxi_free(ctx, old, size);
     memcpy(block, &moved, sizeof moved);
     return BVX_OK;

@@ -25,7 +25,7 @@ double bench_median(const bench_times *times);
 
 /* ---- memory ---- */
 
-enum { BENCH_BLOCKS = 512 };
+enum { BENCH_BLOCKS = 2048 };
 
 /* Keeps what was freed and hands it out again, so that no page is touched for the first time while the clock runs. */
 typedef struct bench_memory {

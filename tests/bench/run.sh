@@ -95,6 +95,10 @@ if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$o
 
 measure_voxels
 
+echo "== bodies from sections"
+"$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
+if [ -n "$python" ]; then "$python" tests/bench/peers_sections.py "$out" 9 | tee -a "$out/sections.md"; fi
+
 echo "== the LOD paper's tables"
 "$BENCHES/bench_paper" "$MESHES" >"$out/paper.md" && echo "in $out/paper.md"
 load >>"$out/load"

@@ -1,0 +1,110 @@
+/* contour_text.c - contour stacks as readers make them, and which reader a format has. */
+#include "io/contour_text.h"
+
+static uint64_t contour_line(const bvxi_contour_file *f, const char *at)
+{
+    uint64_t line = 1;
+    for (const char *p = f->begin; p < at; p++) line += *p == '\n';
+    return line;
+}
+
+bvx_status bvxi_contour_fail(const bvxi_contour_file *f, const char *at, bvx_status status, const char *what)
+{
+    return bvxi_fail(f->ctx, status, "%s: line %u: %s", f->format, contour_line(f, at), what);
+}
+
+bvx_status bvxi_contour_fail_number(const bvxi_contour_file *f, const char *at, const char *what, uint64_t number, const char *rest)
+{
+    return bvxi_fail(f->ctx, BVX_ERR_FORMAT, "%s: line %u: %s%u%s", f->format, contour_line(f, at), what, number, rest);
+}
+
+static bvx_status contour_room(bvxi_contour_file *f, void *block, uint64_t count, uint64_t *room, uint64_t item, const char *what)
+{
+    uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
+    if (count < *room) return BVX_OK;
+    if (larger > INT32_MAX) return bvxi_fail(f->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", f->format, what);
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, block, *room * item, larger * item, what));
+    *room = larger;
+    return BVX_OK;
+}
+
+bvx_status bvxi_contour_add_section(bvxi_contour_file *f, double position)
+{
+    bvx_sections *const s = &f->sections;
+    BVXI_TRY(contour_room(f, &s->positions, s->section_count, &s->section_capacity, 8, "the sections"));
+    s->positions[s->section_count++] = position;
+    return BVX_OK;
+}
+
+bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t label)
+{
+    bvx_sections *const s = &f->sections;
+    bvx_section_loop *l;
+    BVXI_TRY(contour_room(f, &s->loops, s->loop_count, &s->loop_capacity, sizeof *s->loops, "the loops"));
+    l = &s->loops[s->loop_count++];
+    memset(l, 0, sizeof *l);
+    l->first_point = s->point_count;
+    l->section = section;
+    l->label = label;
+    return BVX_OK;
+}
+
+bvx_status bvxi_contour_add_point(bvxi_contour_file *f, const double p[3])
+{
+    bvx_sections *const s = &f->sections;
+    BVXI_TRY(contour_room(f, &s->points, s->point_count, &s->point_capacity, 24, "the points"));
+    memcpy(s->points + 3 * s->point_count++, p, 24);
+    s->loops[s->loop_count - 1].point_count++;
+    return BVX_OK;
+}
+
+bvx_status bvxi_contour_finish(bvxi_contour_file *f, bvx_sections *sections)
+{
+    bvx_sections *const s = &f->sections;
+    if (s->loop_count == 0) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file holds no loop", f->format);
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->positions, s->section_capacity * 8, s->section_count * 8, "the sections"));
+    s->section_capacity = s->section_count;
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops, s->loop_count * sizeof *s->loops, "the loops"));
+    s->loop_capacity = s->loop_count;
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24, "the points"));
+    s->point_capacity = s->point_count;
+    *sections = *s;
+    memset(s, 0, sizeof *s);
+    return BVX_OK;
+}
+
+void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t size)
+{
+    bvx_read_sections_options d;
+    memset(&d, 0, sizeof d);
+    bvxi_give_options(options, size, &d, sizeof d);
+}
+
+bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format, const bvx_read_sections_options *options,
+                             bvx_sections *sections)
+{
+    static const char *const function = "bvx_read_sections";
+    bvx_read_sections_options o;
+    bvxi_contour_file f;
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
+    if (sections == NULL) return bvxi_fail_null(context, function, "sections");
+    bvx_read_sections_options_init(&o, sizeof o);
+    BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
+    if (o.reserved != 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
+    if (!(o.close_gap >= 0.0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: close_gap is %g, not 0 or more", function, o.close_gap);
+    if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no contours that can be read (CSL, CSV)", function, (int64_t)format);
+    if (size > SIZE_MAX) return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses", function, size);
+    memset(&f, 0, sizeof f);
+    f.ctx = context;
+    f.format = format == BVX_FORMAT_CSL ? "CSL" : "CSV";
+    f.begin = f.p = bytes != NULL ? (const char *)bytes : "";
+    f.end = f.begin + (size_t)size;
+    f.sections.owned = 1;
+    status = format == BVX_FORMAT_CSL ? bvxi_read_csl(&f) : bvxi_read_contour_table(&f, o.close_gap);
+    if (status == BVX_OK) status = bvxi_contour_finish(&f, sections);
+    bvx_sections_free(context, &f.sections);
+    return status;
+}

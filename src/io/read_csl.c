@@ -1,0 +1,150 @@
+/* read_csl.c - CSLC files: planes with their equation, points and loops.
+ *
+ *     CSLC
+ *     PLANES LABELS
+ *     NUMBER POINTS LOOPS A B C D      (A x + B y + C z + D = 0)
+ *     x y z                            (POINTS times)
+ *     COUNT LABEL i i i ...            (LOOPS times; COUNT may be 25h3: 25 points, a hole in loop 3)
+ *
+ * All space is equal. A loop's label is its body's. Which loops are holes follows from where they lie, so the mark is read and
+ * left alone. A plane's position is the mean of its points along the first plane's normal; planes without points have
+ * that of their equation. */
+#include "io/contour_text.h"
+
+#include <math.h>
+
+enum { CSL_LEAST_POINT = 6, CSL_LEAST_INDEX = 2 };
+
+static int csl_space(char c)
+{
+    return bvxi_contour_blank(c) || c == '\n';
+}
+
+static void csl_skip(bvxi_contour_file *f)
+{
+    while (f->p < f->end && csl_space(*f->p)) f->p++;
+}
+
+static bvx_status csl_whole(bvxi_contour_file *f, const char *what, uint64_t most, uint64_t *value)
+{
+    const char *start;
+    uint64_t v = 0;
+    csl_skip(f);
+    start = f->p;
+    for (; f->p < f->end && *f->p >= '0' && *f->p <= '9'; f->p++)
+        if (v < UINT64_C(100000000000000000)) v = v * 10 + (uint64_t)(*f->p - '0');
+    if (f->p == start || (f->p < f->end && !csl_space(*f->p) && *f->p != 'h')) {
+        f->p = start;
+        return bvxi_contour_fail(f, start, BVX_ERR_FORMAT, what);
+    }
+    if (v > most) return bvxi_contour_fail_number(f, start, "the number ", v, " is more than can be there");
+    *value = v;
+    return BVX_OK;
+}
+
+static bvx_status csl_real(bvxi_contour_file *f, const char *what, double *value)
+{
+    size_t used;
+    csl_skip(f);
+    used = bvxi_parse_double(f->p, f->end, value);
+    if (used == 0 || (f->p + used < f->end && !csl_space(f->p[used]))) return bvxi_contour_fail(f, f->p, BVX_ERR_FORMAT, what);
+    if (!(*value - *value == 0.0)) return bvxi_contour_fail(f, f->p, BVX_ERR_RANGE, "a number is not finite");
+    f->p += used;
+    return BVX_OK;
+}
+
+/* The unit normal of a plane, and its distance from the origin; the first plane's is the stack's. */
+static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const double equation[4], int first, double *position)
+{
+    double const *const n = f->sections.normal;
+    double const length = sqrt((equation[0] * equation[0] + equation[1] * equation[1]) + equation[2] * equation[2]);
+    double unit[3], dot, cross[3], sine;
+    if (!(length > 0.0) || !(length < 1e300)) return bvxi_contour_fail(f, at, BVX_ERR_FORMAT, "the plane's normal has no length");
+    for (int i = 0; i < 3; i++) unit[i] = equation[i] / length;
+    if (first) memcpy(f->sections.normal, unit, sizeof unit);
+    dot = (unit[0] * n[0] + unit[1] * n[1]) + unit[2] * n[2];
+    for (int i = 0; i < 3; i++) {
+        int const j = (i + 1) % 3, k = (i + 2) % 3;
+        cross[i] = unit[j] * n[k] - unit[k] * n[j];
+    }
+    sine = sqrt((cross[0] * cross[0] + cross[1] * cross[1]) + cross[2] * cross[2]);
+    if (sine > 1e-4) return bvxi_contour_fail(f, at, BVX_ERR_UNSUPPORTED, "the plane is not parallel to the first one (more than 1e-4 rad)");
+    *position = -equation[3] / length;
+    if (dot < 0.0) *position = -*position;
+    return BVX_OK;
+}
+
+static bvx_status csl_points(bvxi_contour_file *f, double *points, uint64_t count, double *position)
+{
+    double const *const n = f->sections.normal;
+    double first = 0.0, sum = 0.0; /* from the first point, so that equal heights have themselves as their mean */
+    for (uint64_t i = 0; i < count; i++) {
+        double *const p = points + 3 * i;
+        double height;
+        for (int k = 0; k < 3; k++) BVXI_TRY(csl_real(f, "expected a point's coordinate", &p[k]));
+        height = (p[0] * n[0] + p[1] * n[1]) + p[2] * n[2];
+        if (i == 0) first = height;
+        sum += height - first;
+    }
+    if (count != 0) *position = first + sum / (double)count;
+    return BVX_OK;
+}
+
+static bvx_status csl_loop(bvxi_contour_file *f, const double *points, uint64_t count, uint32_t section)
+{
+    uint64_t corners, label, index;
+    const char *const start = f->p;
+    BVXI_TRY(csl_whole(f, "expected a loop's number of points", (uint64_t)(f->end - f->p) / CSL_LEAST_INDEX, &corners));
+    if (f->p < f->end && *f->p == 'h') { /* a hole's mark, and the loop that it lies in */
+        f->p++;
+        BVXI_TRY(csl_whole(f, "expected the number of the loop round a hole", UINT32_MAX, &index));
+    }
+    BVXI_TRY(csl_whole(f, "expected a loop's label", INT32_MAX, &label));
+    if (corners == 0) return bvxi_contour_fail(f, start, BVX_ERR_FORMAT, "a loop without points");
+    BVXI_TRY(bvxi_contour_add_loop(f, section, (int32_t)label));
+    for (uint64_t i = 0; i < corners; i++) {
+        csl_skip(f);
+        BVXI_TRY(csl_whole(f, "expected the number of a point", UINT32_MAX, &index));
+        if (index >= count) return bvxi_contour_fail_number(f, f->p, "there is no point ", index, " on this plane");
+        BVXI_TRY(bvxi_contour_add_point(f, points + 3 * index));
+    }
+    return BVX_OK;
+}
+
+static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
+{
+    uint64_t number, points, loops;
+    double equation[4], position = 0.0, *at = NULL;
+    const char *start;
+    bvx_status status;
+    csl_skip(f);
+    start = f->p;
+    BVXI_TRY(csl_whole(f, "expected a plane's number", UINT32_MAX, &number));
+    BVXI_TRY(csl_whole(f, "expected a plane's number of points", (uint64_t)(f->end - f->p) / CSL_LEAST_POINT, &points));
+    BVXI_TRY(csl_whole(f, "expected a plane's number of loops", (uint64_t)(f->end - f->p), &loops));
+    for (int i = 0; i < 4; i++) BVXI_TRY(csl_real(f, "expected the plane's equation", &equation[i]));
+    BVXI_TRY(csl_plane_normal(f, start, equation, section == 0, &position));
+    status = bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at);
+    if (status == BVX_OK) status = csl_points(f, at, points, &position);
+    if (status == BVX_OK) status = bvxi_contour_add_section(f, position);
+    for (uint64_t i = 0; i < loops && status == BVX_OK; i++) status = csl_loop(f, at, points, section);
+    bvxi_free(f->ctx, at, points * 24);
+    return status;
+}
+
+bvx_status bvxi_read_csl(bvxi_contour_file *f)
+{
+    uint64_t planes, labels;
+    csl_skip(f);
+    if (f->end - f->p < 4 || memcmp(f->p, "CSLC", 4) != 0) return bvxi_contour_fail(f, f->p, BVX_ERR_FORMAT, "the file does not begin with CSLC");
+    f->p += 4;
+    BVXI_TRY(csl_whole(f, "expected the number of planes", (uint64_t)(f->end - f->p), &planes));
+    BVXI_TRY(csl_whole(f, "expected the number of labels", UINT32_MAX, &labels));
+    for (uint64_t i = 0; i < planes; i++) {
+        BVXI_TRY(bvxi_progress(f->ctx, "read", (double)(f->p - f->begin) / (double)(f->end - f->begin)));
+        BVXI_TRY(csl_plane(f, (uint32_t)i));
+    }
+    csl_skip(f);
+    if (f->p < f->end) return bvxi_contour_fail(f, f->p, BVX_ERR_FORMAT, "there is more behind the last plane");
+    return BVX_OK;
+}

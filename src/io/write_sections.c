@@ -1,0 +1,231 @@
+/* write_sections.c - contour stacks to CSL, CSV and SVG.
+ *
+ * The writer runs twice, to count and to write. CSL and CSV numbers are the shortest decimals that read back to the same ones. */
+#include "io/bytes.h"
+#include "section/section.h"
+
+static void put_real(bvxi_output *o, double v)
+{
+    char text[32];
+    bvxi_output_add(o, text, (size_t)bvxi_print_double(v, text));
+}
+
+static void put_signed(bvxi_output *o, int32_t v)
+{
+    if (v < 0) bvxi_output_text(o, "-");
+    bvxi_output_number(o, (uint64_t)(v < 0 ? -(int64_t)v : (int64_t)v));
+}
+
+static void put_triple(bvxi_output *o, const double *p)
+{
+    for (int k = 0; k < 3; k++) {
+        if (k > 0) bvxi_output_text(o, " ");
+        put_real(o, p[k]);
+    }
+}
+
+/* ---- CSL ---- */
+
+typedef struct section_counts {
+    uint64_t points, loops;
+} section_counts;
+
+static section_counts count_section(const bvx_sections *s, uint64_t section)
+{
+    section_counts c = {0, 0};
+    for (uint64_t i = 0; i < s->loop_count; i++)
+        if (s->loops[i].section == section) {
+            c.points += s->loops[i].point_count;
+            c.loops++;
+        }
+    return c;
+}
+
+static uint64_t count_labels(const bvx_sections *s)
+{
+    int32_t most = 1;
+    for (uint64_t i = 0; i < s->loop_count; i++)
+        if (s->loops[i].label > most) most = s->loops[i].label;
+    return (uint64_t)most + 1;
+}
+
+static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *o)
+{
+    bvxi_output_text(o, "CSLC\n");
+    bvxi_output_number(o, s->section_count);
+    bvxi_output_text(o, " ");
+    bvxi_output_number(o, count_labels(s));
+    bvxi_output_text(o, "\n");
+    for (uint64_t k = 0; k < s->section_count; k++) {
+        section_counts const c = count_section(s, k);
+        uint64_t from = 0;
+        bvxi_output_text(o, "\n");
+        bvxi_output_number(o, k + 1);
+        bvxi_output_text(o, " ");
+        bvxi_output_number(o, c.points);
+        bvxi_output_text(o, " ");
+        bvxi_output_number(o, c.loops);
+        bvxi_output_text(o, " ");
+        put_triple(o, normal);
+        bvxi_output_text(o, " ");
+        put_real(o, -s->positions[k]);
+        bvxi_output_text(o, "\n\n");
+        for (uint64_t i = 0; i < s->loop_count; i++) {
+            if (s->loops[i].section != k) continue;
+            for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
+                put_triple(o, s->points + 3 * (s->loops[i].first_point + j));
+                bvxi_output_text(o, "\n");
+            }
+        }
+        bvxi_output_text(o, "\n");
+        for (uint64_t i = 0; i < s->loop_count; i++) {
+            if (s->loops[i].section != k) continue;
+            bvxi_output_number(o, s->loops[i].point_count);
+            bvxi_output_text(o, " ");
+            put_signed(o, s->loops[i].label);
+            for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
+                bvxi_output_text(o, " ");
+                bvxi_output_number(o, from++);
+            }
+            bvxi_output_text(o, "\n");
+        }
+    }
+}
+
+/* ---- CSV ---- */
+
+static void put_table(const bvx_sections *s, bvxi_output *o)
+{
+    bvxi_output_text(o, "section,position,loop,label,x,y\n");
+    for (uint64_t i = 0; i < s->loop_count; i++) {
+        const bvx_section_loop *const l = &s->loops[i];
+        for (uint64_t j = 0; j < l->point_count; j++) {
+            const double *const p = s->points + 3 * (l->first_point + j);
+            bvxi_output_number(o, l->section);
+            bvxi_output_text(o, ",");
+            put_real(o, s->positions[l->section]);
+            bvxi_output_text(o, ",");
+            bvxi_output_number(o, i);
+            bvxi_output_text(o, ",");
+            put_signed(o, l->label);
+            bvxi_output_text(o, ",");
+            put_real(o, p[0]);
+            bvxi_output_text(o, ",");
+            put_real(o, p[1]);
+            bvxi_output_text(o, "\n");
+        }
+    }
+}
+
+/* ---- SVG ---- */
+
+enum { DRAWING_COLUMNS = 6, DRAWING_CELL = 200, DRAWING_MARGIN = 10 };
+
+static void uv_of_point(const double axis[3][3], const double *p, double uv[2])
+{
+    for (int k = 0; k < 2; k++) uv[k] = (axis[k][0] * p[0] + axis[k][1] * p[1]) + axis[k][2] * p[2];
+}
+
+/* A whole number of hundredths is enough for a drawing. */
+static void put_place(bvxi_output *o, double v)
+{
+    int64_t const n = (int64_t)(v * 100.0 + 0.5);
+    put_real(o, (double)n / 100.0);
+}
+
+static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_output *o)
+{
+    double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, scale, extent;
+    uint64_t const columns = s->section_count < DRAWING_COLUMNS ? s->section_count : DRAWING_COLUMNS;
+    uint64_t const rows = (s->section_count + columns - 1) / columns;
+    for (uint64_t i = 0; i < s->point_count; i++) {
+        double uv[2];
+        uv_of_point(axis, s->points + 3 * i, uv);
+        for (int k = 0; k < 2; k++) {
+            if (uv[k] < low[k]) low[k] = uv[k];
+            if (uv[k] > high[k]) high[k] = uv[k];
+        }
+    }
+    extent = high[0] - low[0] > high[1] - low[1] ? high[0] - low[0] : high[1] - low[1];
+    scale = extent > 0.0 ? (DRAWING_CELL - 2 * DRAWING_MARGIN) / extent : 1.0;
+    bvxi_output_text(o, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"");
+    bvxi_output_number(o, columns * DRAWING_CELL);
+    bvxi_output_text(o, "\" height=\"");
+    bvxi_output_number(o, rows * DRAWING_CELL);
+    bvxi_output_text(o, "\" font-family=\"sans-serif\" font-size=\"9\">\n");
+    for (uint64_t k = 0; k < s->section_count; k++) {
+        double const x = (double)(k % columns) * DRAWING_CELL + DRAWING_MARGIN;
+        double const y = (double)(k / columns) * DRAWING_CELL + DRAWING_CELL - DRAWING_MARGIN;
+        bvxi_output_text(o, "<text x=\"");
+        put_place(o, x);
+        bvxi_output_text(o, "\" y=\"");
+        put_place(o, y - DRAWING_CELL + 2 * DRAWING_MARGIN);
+        bvxi_output_text(o, "\">");
+        put_real(o, s->positions[k]);
+        bvxi_output_text(o, "</text>\n<path fill=\"#c8a26a\" stroke=\"#503818\" stroke-width=\"0.5\" fill-rule=\"evenodd\" d=\"");
+        for (uint64_t i = 0; i < s->loop_count; i++) {
+            if (s->loops[i].section != k) continue;
+            for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
+                double uv[2];
+                uv_of_point(axis, s->points + 3 * (s->loops[i].first_point + j), uv);
+                bvxi_output_text(o, j == 0 ? "M" : "L");
+                put_place(o, x + (uv[0] - low[0]) * scale);
+                bvxi_output_text(o, " ");
+                put_place(o, y - (uv[1] - low[1]) * scale);
+            }
+            bvxi_output_text(o, "Z");
+        }
+        bvxi_output_text(o, "\"/>\n");
+    }
+    bvxi_output_text(o, "</svg>\n");
+}
+
+/* ---- any ---- */
+
+static void put_sections(const bvx_sections *s, int32_t format, const double axis[3][3], bvxi_output *o)
+{
+    if (format == BVX_FORMAT_CSL) put_csl(s, axis[2], o);
+    else if (format == BVX_FORMAT_CSV) put_table(s, o);
+    else put_drawing(s, axis, o);
+}
+
+/* CSV keeps x and y, so planes have to be z = position; CSL's labels are not negative. */
+static bvx_status check_section_format(bvx_context *ctx, const char *function, const bvx_sections *s, int32_t format, const double axis[3][3])
+{
+    if (format == BVX_FORMAT_CSV) {
+        if (!(axis[2][2] == 1.0))
+            return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSV holds planes z = position only; take CSL", function);
+        for (uint64_t i = 0; i < s->loop_count; i++)
+            for (uint64_t j = 0; j < s->loops[i].point_count; j++)
+                if (s->points[3 * (s->loops[i].first_point + j) + 2] != s->positions[s->loops[i].section])
+                    return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: loop %u has points off its plane, which CSV cannot hold; take CSL", function, i);
+    } else if (format == BVX_FORMAT_CSL) {
+        for (uint64_t i = 0; i < s->loop_count; i++)
+            if (s->loops[i].label < 0)
+                return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSL holds no negative labels (loop %u: %d)", function, i, (int64_t)s->loops[i].label);
+    } else if (format != BVX_FORMAT_SVG) {
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: format %d is no contour format (CSL, CSV, SVG)", function, (int64_t)format);
+    }
+    return BVX_OK;
+}
+
+bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections, int32_t format, bvx_buffer *file)
+{
+    static const char *const function = "bvx_write_sections";
+    double axis[3][3];
+    bvxi_output out = {0};
+    bvx_buffer made = {0};
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (file == NULL) return bvxi_fail_null(context, function, "file");
+    BVXI_TRY(bvxi_sections_check(context, function, sections));
+    BVXI_TRY(bvxi_section_frame(context, function, sections->normal, axis));
+    BVXI_TRY(check_section_format(context, function, sections, format, (const double (*)[3])axis));
+    put_sections(sections, format, (const double (*)[3])axis, &out);
+    BVXI_TRY(bvxi_alloc(context, BVXI_RESULT, out.size, "the contour file", &made.bytes));
+    made.size = made.capacity = out.size;
+    out.bytes = made.bytes;
+    out.size = 0;
+    put_sections(sections, format, (const double (*)[3])axis, &out);
+    *file = made;
+    return BVX_OK;
+}

@@ -1,0 +1,75 @@
+/* cap_lines.c - flat caps of bodies made in the field's way: the region within lines between vertices of the mesh.
+ *
+ * The lines of the first or last plane, which the cells beside it have left, are followed into loops; from there it is a section like
+ * others, whose points are vertices and whose segments nothing crosses. */
+#include "section/section.h"
+
+#include <math.h>
+
+double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)
+{
+    double sum = 0.0;
+    for (uint32_t i = c->first; i < c->first + c->count; i++) {
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]], *const o = p->q[c->first];
+        sum += ((double)a[0] - o[0]) * ((double)b[1] - o[1]) - ((double)a[1] - o[1]) * ((double)b[0] - o[0]);
+    }
+    return sum;
+}
+
+/* Follow the lines into loops: points in order, contours, directions of holes. behind: [vertices] the next one, or none. */
+static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*edge)[2], uint32_t count, uint32_t *behind)
+{
+    double const unit = (double)(1 << (s->fine - 1));
+    for (uint32_t i = 0; i < count; i++) behind[edge[i][0]] = edge[i][1];
+    for (uint32_t i = 0; i < count; i++) {
+        bvxi_contour *const c = &p->contour[p->contour_count];
+        uint32_t v = edge[i][0];
+        if (behind[v] == BVXI_NONE) continue;
+        c->first = p->point_count;
+        while (behind[v] != BVXI_NONE) {
+            const double *const at = s->mesh.position + 3 * (uint64_t)v;
+            uint32_t const n = p->point_count++, next = behind[v];
+            for (int k = 0; k < 2; k++) {
+                double const u = (s->axis[k][0] * at[0] + s->axis[k][1] * at[1]) + s->axis[k][2] * at[2];
+                p->q[n][k] = 2 * (int32_t)floor((u - s->origin[k]) / s->step[k] * unit) + 1;
+            }
+            p->ring[n] = v;
+            p->next[n] = n + 1;
+            behind[v] = BVXI_NONE;
+            v = next;
+        }
+        if (v != edge[i][0]) return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: the lines of a flat cap do not close", s->function);
+        c->count = p->point_count - c->first;
+        p->next[p->point_count - 1] = c->first;
+        c->hole = bvxi_cap_area(p, c) < 0.0;
+        p->contour_count++;
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_t count, int32_t side)
+{
+    uint64_t const vertices = s->mesh.vertex_count;
+    uint32_t *behind = NULL;
+    bvxi_plane p;
+    bvx_status status;
+    memset(&p, 0, sizeof p);
+    if (count == 0) return BVX_OK;
+    p.lines = 1;
+    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 4, "the lines of a cap", &behind);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 8, "the lines of a cap", &p.q);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.next);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.ring);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * sizeof *p.contour, "the lines of a cap", &p.contour);
+    if (status == BVX_OK) {
+        memset(behind, 0xff, (size_t)vertices * 4);
+        status = follow_lines(s, &p, edge, count, behind);
+    }
+    if (status == BVX_OK) status = bvxi_cap_fill(s, &p, side);
+    bvxi_free(s->ctx, p.contour, (uint64_t)count * sizeof *p.contour);
+    bvxi_free(s->ctx, p.ring, (uint64_t)count * 4);
+    bvxi_free(s->ctx, p.next, (uint64_t)count * 4);
+    bvxi_free(s->ctx, p.q, (uint64_t)count * 8);
+    bvxi_free(s->ctx, behind, vertices * 4);
+    return status;
+}

@@ -1,0 +1,204 @@
+/* section.h - contour stacks made ready: planes in fixed point, their crossings with the grid, cells between two of them.
+ * Not installed.
+ *
+ * Coordinates. A stack has a frame u, v, w (w along the normal). On the planes u and v are snapped to fixed point: 2^fine units
+ * a grid cell, contour points on odd numbers, grid lines of every level on even ones (fine is larger than the depth of
+ * subdivision). So no contour point lies on a line. A segment may pass through a meeting of two lines: there every line
+ * is thought of as moved by (e_u, e_v), e_u >> e_v > 0, so that all order along lines and segments is strict.
+ *
+ * Bit budgets. |q| < 2^30, differences < 2^31, products < 2^62, sums of two < 2^63; the order of two crossings on one line
+ * compares fractions by products below 2^94: 128 bits. */
+#ifndef BVXI_SECTION_H
+#define BVXI_SECTION_H
+
+#include "core/core.h"
+
+#define BVXI_NONE UINT32_MAX
+
+enum { BVXI_SECTION_DEEPEST = 8, BVXI_SECTION_EXTENT_BITS = 29 };
+
+/* Where a contour's segment crosses a line of the grid: axis 0 is a line of one u, axis 1 of one v. */
+typedef struct bvxi_line_cut {
+    uint32_t segment; /* from point segment to the next one of its loop */
+    int32_t line;     /* fixed point */
+    int32_t axis;
+    uint32_t ring;    /* its place in the plane's ring, once that is known */
+} bvxi_line_cut;
+
+/* A piece of a loop within a cell, inside on its left: from a cut over count points, the first of them point, to a cut.
+ * A loop that lies in the cell whole has no cuts. */
+typedef struct bvxi_arc {
+    uint32_t from, to;
+    uint32_t point, count;
+} bvxi_arc;
+
+typedef struct bvxi_contour {
+    uint32_t first, count; /* points */
+    uint32_t given;        /* number in the stack given */
+    int32_t hole;
+} bvxi_contour;
+
+/* How a plane meets the grid's edges. */
+enum { BVXI_PLANE_EXACT, BVXI_PLANE_FIELD, BVXI_PLANE_EMPTY };
+
+typedef struct bvxi_plane {
+    double w;
+    uint32_t section;        /* number in the stack given */
+    uint32_t point_count, contour_count;
+    uint64_t point_room, contour_room; /* of all */
+    uint32_t *given;         /* number of each point in the stack given */
+    int32_t (*q)[2];
+    double (*uv)[2];
+    uint32_t *next;
+    bvxi_contour *contour;
+    uint64_t *inside;        /* a bit a grid point, rows of words */
+    bvxi_line_cut *cut;           /* first those with lines of the grid, in ring order, then those of subdivided cells */
+    uint32_t cut_count, cut_room, grid_cut_count;
+    bvxi_arc *arc;           /* in the cells of the grid */
+    uint32_t *arc_cell;
+    uint32_t arc_count;
+    uint32_t *ring;          /* place of each point in the ring: points and cuts in the order of the loops */
+    uint32_t ring_count;
+    uint32_t vertex;         /* the mesh's vertex at place 0 of the ring */
+    double (*box)[4];        /* binary heap over groups of segments */
+    uint32_t leaf_count;     /* power of two */
+    double area;
+    int lines;               /* of a cap: points are vertices, and their segments cross nothing */
+} bvxi_plane;
+
+/* Vertices and triangles made so far. */
+typedef struct bvxi_section_mesh {
+    double *position;
+    uint32_t *triangle;
+    uint64_t vertex_count, vertex_room, triangle_count, triangle_room;
+} bvxi_section_mesh;
+
+typedef struct bvxi_stack {
+    bvx_context *ctx;
+    const char *function;
+    const bvx_sections *given;
+    double axis[3][3];       /* u, v, w in the world */
+    double low[2], high[2];  /* bounds of the contours */
+    double origin[2];        /* grid point (0, 0) */
+    double step[2];          /* sides of a cell */
+    int32_t size[2];         /* cells */
+    int32_t fine;            /* bits below a cell */
+    int32_t words;           /* a row of grid points */
+    bvxi_plane *plane;       /* ascending in w */
+    uint32_t plane_count;
+    bvxi_plane all;          /* arrays that the planes have stretches of */
+    bvxi_plane nothing;      /* a plane without loops: only its bits are there */
+    uint32_t slab_count;
+    bvx_sections_options options;
+    bvx_sections_report report;
+    bvxi_section_mesh mesh;
+    uint32_t (*cap_edge[2])[2]; /* in the field's way: the lines on the first and the last plane, inside on their left */
+    uint32_t cap_edge_count[2], cap_edge_room[2];
+} bvxi_stack;
+
+/* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their left ---- */
+
+bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
+                           bvxi_stack *stack);
+void bvxi_stack_close(bvxi_stack *stack);
+
+/* stack_grid.c: lay the grid over the bounds. */
+bvx_status bvxi_stack_grid(bvxi_stack *stack);
+
+/* ---- stack_check.c: arrays that are none are refused, planes are put into order ---- */
+
+bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx_sections *given);
+/* An orthonormal frame with w along normal, exact where that is an axis. */
+bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const double normal[3], double axis[3][3]);
+
+/* ---- simple.c ---- */
+
+/* Refuse loops that cross or touch themselves or others. */
+bvx_status bvxi_plane_check_simple(bvxi_stack *stack, bvxi_plane *plane);
+
+/* ---- arcs.c ---- */
+
+/* Cut the loops at the grid's lines; set the bits of the grid points inside. */
+bvx_status bvxi_plane_cut(bvxi_stack *stack, bvxi_plane *plane);
+/* A new crossing's number. */
+bvx_status bvxi_plane_add_cut(bvxi_stack *stack, bvxi_plane *plane, uint32_t segment, int32_t axis, int32_t line, uint32_t *number);
+/* Number points and cuts along the loops, one number for cuts that are one; returns how many. */
+bvx_status bvxi_plane_ring(bvxi_stack *stack, bvxi_plane *plane);
+/* Positions of the ring's vertices. */
+bvx_status bvxi_plane_emit(bvxi_stack *stack, bvxi_plane *plane);
+/* The area inside, by the trapezoid rule about the bounds' corner. */
+double bvxi_plane_area(const bvxi_stack *stack, const bvxi_plane *plane);
+
+/* ---- distance2d.c ---- */
+
+bvx_status bvxi_plane_tree(bvxi_stack *stack, bvxi_plane *plane);
+/* Distance from a place to the nearest contour; *hint is a segment thought to be near, and becomes the nearest found. */
+double bvxi_plane_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint);
+/* 1 when the snapped place is inside. */
+int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *plane, double u, double v);
+
+/* ---- fill_loop.c ---- */
+
+typedef struct bvxi_loop_fill {
+    uint32_t count;
+    const uint32_t *vertex;  /* of the mesh, in the direction of the triangles */
+    const uint8_t *faces;    /* cell faces that each lies on */
+    const int32_t *low;      /* of the cell, in fixed point */
+    int32_t size;
+    double low_w, high_w;
+    const double **at;       /* scratch: count each */
+    uint32_t *next, *before;
+} bvxi_loop_fill;
+
+/* Triangles inside a loop whose inner edges lie on no cell face; where there are none, round a vertex inside the cell. */
+bvx_status bvxi_fill_loop(bvxi_stack *stack, const bvxi_loop_fill *loop);
+
+/* ---- section_mesh.c ---- */
+
+bvx_status bvxi_section_add_vertex(bvxi_stack *stack, const double position[3], uint32_t *number);
+bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a, uint32_t b, uint32_t c);
+/* The world's place of u, v, w. */
+void bvxi_section_place(const bvxi_stack *stack, double u, double v, double w, double position[3]);
+/* Keep a place in the report. */
+void bvxi_section_locate(bvxi_stack *stack, double u, double v, double w);
+
+/* ---- slab.c, caps.c ---- */
+
+/* Subdivide cells between two planes where they ask for it; adds cuts to both. */
+typedef struct bvxi_slab bvxi_slab;
+bvx_status bvxi_slabs_make(bvxi_stack *stack, bvxi_slab **slabs, uint32_t *count);
+bvx_status bvxi_slabs_fill(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
+void bvxi_slabs_free(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
+/* The section's region as triangles; side 1: seen from above, -1: from below. */
+bvx_status bvxi_cap_fill(bvxi_stack *stack, const bvxi_plane *plane, int32_t side);
+/* Twice the area of a loop in fixed point, about; less than 0 for a hole. */
+double bvxi_cap_area(const bvxi_plane *plane, const bvxi_contour *contour);
+/* The same for the region within lines between vertices. */
+bvx_status bvxi_cap_fill_edges(bvxi_stack *stack, const uint32_t (*edge)[2], uint32_t count, int32_t side);
+
+/* ---- exact order ---- */
+
+/* A segment's crossings with the lines u = x and v = y, both between its ends: 1 when that with x comes first. */
+static inline int bvxi_x_first(const int32_t *a, const int32_t *b, int32_t x, int32_t y)
+{
+    int64_t const dx = (int64_t)b[0] - a[0], dy = (int64_t)b[1] - a[1];
+    int64_t l = ((int64_t)x - a[0]) * dy, r = ((int64_t)y - a[1]) * dx;
+    if ((dx < 0) != (dy < 0)) r = -r;
+    if (l < 0) l = -l;
+    if (r < 0) r = -r;
+    return l < r || (l == r && dx < 0);
+}
+
+/* 1 when a crossing lies beyond the line m of the other axis. */
+static inline int bvxi_cut_beyond(const bvxi_plane *p, const bvxi_line_cut *c, int32_t m)
+{
+    const int32_t *const a = p->q[c->segment], *const b = p->q[p->next[c->segment]];
+    int const k = c->axis, o = 1 - k;
+    int64_t const dk = (int64_t)b[k] - a[k], d = (int64_t)b[o] - a[o];
+    int64_t s = ((int64_t)c->line - a[k]) * d - ((int64_t)m - a[o]) * dk;
+    if (dk < 0) s = -s;
+    if (s != 0) return s > 0;
+    return k == 0 && (d > 0) == (dk > 0); /* through a meeting of lines: on u + e_u it lies beyond v + e_v where it rises */
+}
+
+#endif

@@ -1,0 +1,149 @@
+/* sections.c - the closed surface of a body through its section contours.
+ *
+ * Source: the paper on surface modelling in section data fields (distances on sections, marching cubes over cells from section to
+ * section, contour points as vertices, faces with four crossings decided at the meeting of the lines joining opposite ones).
+ *
+ * What is different: on a section's plane nothing is interpolated. A plane's contours are cut at the grid's lines, and at those of
+ * subdivided cells on either side, into one ring of vertices; the cells above and below all take their stretches from that ring. So
+ * the surface above a plane ends where the surface below it begins, whatever the cells on both sides are. Strips of cell sides between
+ * the planes depend on what lies in the strip alone. Each cell's loops are then closed by construction, and triangles inside a cell
+ * share no inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
+#include "section/section.h"
+
+#include "mesh/mesh.h"
+
+#include <math.h>
+
+static const char sections_name[] = "bvx_build_sections";
+
+void bvx_sections_options_init(bvx_sections_options *options, size_t size)
+{
+    bvx_sections_options d;
+    memset(&d, 0, sizeof d);
+    d.layers = 1;
+    d.depth = 5;
+    d.label = BVX_LABEL_ONLY;
+    d.position_type = BVX_F64;
+    bvxi_give_options(options, size, &d, sizeof d);
+}
+
+static bvx_status check_range(bvx_context *ctx, const char *name, int32_t value, int32_t low, int32_t high)
+{
+    if (value >= low && value <= high) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s is %d, allowed are %d to %d", sections_name, name, (int64_t)value, (int64_t)low, (int64_t)high);
+}
+
+static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_options *o)
+{
+    BVXI_TRY(check_range(ctx, "layers", o->layers, 1, 64));
+    BVXI_TRY(check_range(ctx, "caps", o->caps, BVX_CAPS_FLAT, BVX_CAPS_OPEN));
+    BVXI_TRY(check_range(ctx, "crossings", o->crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC));
+    BVXI_TRY(check_range(ctx, "depth", o->depth, 0, BVXI_SECTION_DEEPEST));
+    BVXI_TRY(check_range(ctx, "position_type", o->position_type, BVX_F32, BVX_F64));
+    if (o->grid[0] != 0 || o->grid[1] != 0) {
+        BVXI_TRY(check_range(ctx, "grid[0]", o->grid[0], 2, 8192));
+        BVXI_TRY(check_range(ctx, "grid[1]", o->grid[1], 2, 8192));
+        if (o->spacing != 0.0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: grid and spacing are both given", sections_name);
+    }
+    if (!(o->spacing >= 0.0) || o->spacing - o->spacing != 0.0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the spacing is %g, not a finite number above 0", sections_name, o->spacing);
+    return BVX_OK;
+}
+
+/* Frustums between neighbours, cones where the body ends between sections. */
+static void measure_prismoids(bvxi_stack *s)
+{
+    double sum = 0.0;
+    uint32_t const n = s->plane_count;
+    const bvxi_plane *const p = s->plane;
+    for (uint32_t i = 0; i + 1 < n; i++) {
+        double const a = p[i].area, b = p[i + 1].area, h = p[i + 1].w - p[i].w;
+        double const height = p[i].contour_count == 0 || p[i + 1].contour_count == 0 ? 0.5 * h : h;
+        sum += height / 3.0 * ((a + b) + sqrt(a * b));
+    }
+    if (s->options.caps == BVX_CAPS_TAPER) {
+        sum += p[0].area * (0.5 * (p[1].w - p[0].w)) / 3.0;
+        sum += p[n - 1].area * (0.5 * (p[n - 1].w - p[n - 2].w)) / 3.0;
+    }
+    s->report.prismoid_volume = sum;
+}
+
+/* Vertices of the planes: rings, or in the field's way none until they are needed. */
+static bvx_status make_rings(bvxi_stack *s)
+{
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        bvxi_plane *const p = &s->plane[i];
+        if (s->options.crossings != BVX_CROSSINGS_EXACT) {
+            memset(p->ring, 0xff, (size_t)p->point_count * 4);
+            s->report.unkept_points += p->point_count;
+            continue;
+        }
+        BVXI_TRY(bvxi_plane_ring(s, p));
+        BVXI_TRY(bvxi_plane_emit(s, p));
+    }
+    return BVX_OK;
+}
+
+static bvx_status make_caps(bvxi_stack *s)
+{
+    if (s->options.caps != BVX_CAPS_FLAT) return BVX_OK;
+    for (int k = 0; k < 2; k++) {
+        int32_t const side = k == 0 ? -1 : 1;
+        if (s->options.crossings != BVX_CROSSINGS_EXACT)
+            BVXI_TRY(bvxi_cap_fill_edges(s, (const uint32_t (*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
+        else BVXI_TRY(bvxi_cap_fill(s, &s->plane[k == 0 ? 0 : s->plane_count - 1], side));
+    }
+    return BVX_OK;
+}
+
+static bvx_status give_mesh(bvxi_stack *s, bvx_mesh *mesh)
+{
+    const bvxi_section_mesh *const m = &s->mesh;
+    if (m->triangle_count == 0)
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: no point of the grid of %d by %d cells lies inside; take a finer one", sections_name,
+                         (int64_t)s->size[0], (int64_t)s->size[1]);
+    BVXI_TRY(bvxi_mesh_open(s->ctx, sections_name, s->options.position_type, 0, m->vertex_count, m->triangle_count, mesh));
+    memcpy(mesh->triangles, m->triangle, (size_t)m->triangle_count * 12);
+    if (s->options.position_type == BVX_F64) memcpy(mesh->positions, m->position, (size_t)m->vertex_count * 24);
+    else
+        for (uint64_t i = 0; i < 3 * m->vertex_count; i++) ((float *)mesh->positions)[i] = (float)m->position[i];
+    return BVX_OK;
+}
+
+static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
+{
+    bvxi_slab *slabs = NULL;
+    uint32_t count = 0;
+    bvx_status status = bvxi_slabs_make(s, &slabs, &count);
+    if (status == BVX_OK) status = make_rings(s);
+    if (status == BVX_OK) status = bvxi_slabs_fill(s, slabs, s->slab_count);
+    bvxi_slabs_free(s, slabs, count);
+    if (status == BVX_OK) status = make_caps(s);
+    if (status == BVX_OK) status = give_mesh(s, mesh);
+    return status;
+}
+
+bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *options, bvx_mesh *mesh)
+{
+    bvx_sections_options o;
+    bvxi_stack stack;
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
+    bvx_sections_options_init(&o, sizeof o);
+    BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
+    BVXI_TRY(check_section_options(context, &o));
+    BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
+    BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
+    status = bvxi_stack_open(context, sections_name, sections, &o, &stack);
+    if (status == BVX_OK) {
+        measure_prismoids(&stack);
+        status = build_body(&stack, mesh);
+    }
+    if (status == BVX_OK && o.report != NULL) {
+        stack.report.skipped = stack.report.samples > stack.report.distances ? stack.report.samples - stack.report.distances : 0;
+        *o.report = stack.report;
+    }
+    bvxi_stack_close(&stack);
+    return status;
+}

@@ -1,0 +1,151 @@
+/* simple.c - loops of a section neither cross nor touch, themselves or each other; decided exactly in fixed point.
+ *
+ * Segments in the order of their least u are held against those that still reach so far. Cost: O(n log n) and the pairs whose
+ * ranges of u overlap. Points of a loop that snap to one place count as one. */
+#include "section/section.h"
+
+#include "mesh/radix.h"
+
+typedef struct simple_work {
+    uint64_t *key;
+    uint32_t *order, *active, *place; /* place: the first of the points before it that snapped to its place */
+} simple_work;
+
+static int at_one_place(const int32_t *a, const int32_t *b)
+{
+    return a[0] == b[0] && a[1] == b[1];
+}
+
+/* Runs may go over the loop's end, so each is followed back from its last point. */
+static void find_places(const bvxi_plane *p, uint32_t *place)
+{
+    for (uint32_t k = 0; k < p->contour_count; k++) {
+        const bvxi_contour *const c = &p->contour[k];
+        uint32_t const last = c->first + c->count - 1;
+        uint32_t start = c->first;
+        while (start < last && at_one_place(p->q[start], p->q[last])) start++; /* the run that goes over the end */
+        for (uint32_t i = c->first; i <= last; i++)
+            place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? place[i - 1] : i;
+        for (uint32_t i = c->first; i < start; i++) place[i] = place[last];
+    }
+}
+
+static int turn_sign(const int32_t *a, const int32_t *b, const int32_t *c)
+{
+    int64_t const t = ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) - ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
+    return (t > 0) - (t < 0);
+}
+
+static int is_between(int32_t a, int32_t b, int32_t x)
+{
+    return a < b ? a <= x && x <= b : b <= x && x <= a;
+}
+
+/* c on the closed segment a b, known to be on its line. */
+static int is_on(const int32_t *a, const int32_t *b, const int32_t *c)
+{
+    return is_between(a[0], b[0], c[0]) && is_between(a[1], b[1], c[1]);
+}
+
+static int segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
+{
+    int const ca = turn_sign(a, b, c), da = turn_sign(a, b, d), ac = turn_sign(c, d, a), bc = turn_sign(c, d, b);
+    if (ca * da < 0 && ac * bc < 0) return 1;
+    return (ca == 0 && is_on(a, b, c)) || (da == 0 && is_on(a, b, d)) || (ac == 0 && is_on(c, d, a)) || (bc == 0 && is_on(c, d, b));
+}
+
+/* Two segments that share an end: they meet elsewhere when one folds back onto the other. */
+static int folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
+{
+    int64_t const dot = ((int64_t)a[0] - shared[0]) * ((int64_t)b[0] - shared[0]) + ((int64_t)a[1] - shared[1]) * ((int64_t)b[1] - shared[1]);
+    return turn_sign(shared, a, b) == 0 && dot > 0;
+}
+
+static int pair_meets(const bvxi_plane *p, const uint32_t *place, uint32_t i, uint32_t j)
+{
+    uint32_t const in = p->next[i], jn = p->next[j];
+    int const after = place[in] == place[j], before = place[jn] == place[i];
+    if (after && before) return 1; /* there and back: two different segments between the same two points */
+    if (after) return folds_back(p->q[j], p->q[i], p->q[jn]);
+    if (before) return folds_back(p->q[i], p->q[in], p->q[j]);
+    return segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
+}
+
+static uint32_t loop_of_point(const bvxi_plane *p, uint32_t i)
+{
+    uint32_t low = 0, high = p->contour_count;
+    while (high - low > 1) {
+        uint32_t const middle = low + (high - low) / 2;
+        if (p->contour[middle].first <= i) low = middle;
+        else high = middle;
+    }
+    return p->contour[low].given;
+}
+
+static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, uint32_t j)
+{
+    uint64_t const a = loop_of_point(p, i), b = loop_of_point(p, j);
+    const bvx_section_loop *const la = &s->given->loops[a], *const lb = &s->given->loops[b];
+    uint64_t const pa = p->given[i] - la->first_point, pb = p->given[j] - lb->first_point;
+    if (a == b)
+        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: loop %u of section %u (position %g) crosses or touches itself, behind its points %u and %u, near "
+                         "(%g, %g, %g)", s->function, a, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
+                         s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
+    return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: loops %u and %u of section %u (position %g) cross or touch, behind their points %u and %u, near "
+                     "(%g, %g, %g)", s->function, a, b, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
+                     s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
+}
+
+static inline int32_t least(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static inline int32_t most(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w)
+{
+    uint32_t count = 0, reach = 0;
+    find_places(p, w->place);
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        if (at_one_place(p->q[i], p->q[p->next[i]])) continue;
+        w->key[count] = (uint64_t)(uint32_t)least(p->q[i][0], p->q[p->next[i]][0]);
+        w->order[count++] = i;
+    }
+    BVXI_TRY(bvxi_radix_sort(s->ctx, w->key, w->order, count));
+    for (uint32_t n = 0; n < count; n++) {
+        uint32_t const i = w->order[n], in = p->next[i];
+        int32_t const left = least(p->q[i][0], p->q[in][0]);
+        int32_t const low = least(p->q[i][1], p->q[in][1]), high = most(p->q[i][1], p->q[in][1]);
+        uint32_t kept = 0;
+        for (uint32_t a = 0; a < reach; a++) {
+            uint32_t const j = w->active[a], jn = p->next[j];
+            if (most(p->q[j][0], p->q[jn][0]) < left) continue;
+            w->active[kept++] = j;
+            if (most(p->q[j][1], p->q[jn][1]) < low || least(p->q[j][1], p->q[jn][1]) > high) continue;
+            if (pair_meets(p, w->place, i, j)) return refuse_pair(s, p, i, j);
+        }
+        w->active[kept++] = i;
+        reach = kept;
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_plane_check_simple(bvxi_stack *s, bvxi_plane *p)
+{
+    simple_work w = {NULL, NULL, NULL, NULL};
+    uint64_t const n = p->point_count;
+    bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the places of points", &w.place);
+    if (status == BVX_OK) status = check_pairs(s, p, &w);
+    bvxi_free(s->ctx, w.place, n * 4);
+    bvxi_free(s->ctx, w.active, n * 4);
+    bvxi_free(s->ctx, w.order, n * 4);
+    bvxi_free(s->ctx, w.key, n * 8);
+    return status;
+}

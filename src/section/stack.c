@@ -1,0 +1,371 @@
+/* stack.c - the planes of one body: its loops gathered by section, points snapped, loops directed.
+ *
+ * Sections between the first and the last that hold no loop of the body stay as empty planes; those before and behind are left
+ * out. A loop inside an even number of others encloses the body and runs counter-clockwise, one inside an odd number is a hole
+ * and runs clockwise: the inside is on the left of all. */
+#include "section/section.h"
+
+#include "lattice/wide.h"
+#include "mesh/radix.h"
+
+#include <math.h>
+
+static double along_axis(const double axis[3], const double p[3])
+{
+    return (axis[0] * p[0] + axis[1] * p[1]) + axis[2] * p[2];
+}
+
+/* ---- which loops ---- */
+
+static bvx_status choose_label(bvxi_stack *s)
+{
+    const bvx_sections *const g = s->given;
+    if (s->options.label != BVX_LABEL_ONLY) {
+        for (uint64_t i = 0; i < g->loop_count; i++)
+            if (g->loops[i].label == s->options.label) return BVX_OK;
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: no loop has the label %d", s->function, (int64_t)s->options.label);
+    }
+    s->options.label = g->loops[0].label;
+    for (uint64_t i = 1; i < g->loop_count; i++)
+        if (g->loops[i].label != s->options.label)
+            return bvxi_fail(s->ctx, BVX_ERR_ARGUMENT, "%s: the sections hold several bodies (labels %d and %d); choose one by its label",
+                             s->function, (int64_t)s->options.label, (int64_t)g->loops[i].label);
+    return BVX_OK;
+}
+
+/* Doubles as numbers that sort like them. */
+static uint64_t sortable(double v)
+{
+    uint64_t k;
+    v += 0.0;
+    memcpy(&k, &v, 8);
+    return (k >> 63) != 0 ? ~k : k | UINT64_C(0x8000000000000000);
+}
+
+/* Sections in the order of their positions, from the first to the last with a loop. counts: points of each section. */
+static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *order, uint64_t *key)
+{
+    const bvx_sections *const g = s->given;
+    uint32_t first, end, n = (uint32_t)g->section_count;
+    for (uint32_t i = 0; i < n; i++) {
+        order[i] = i;
+        key[i] = sortable(g->positions[i]);
+    }
+    BVXI_TRY(bvxi_radix_sort(s->ctx, key, order, n));
+    for (first = 0; loops[order[first]] == 0; first++) {}
+    for (end = n; loops[order[end - 1]] == 0; end--) {}
+    for (uint32_t i = first + 1; i < end; i++)
+        if (!(g->positions[order[i]] > g->positions[order[i - 1]]))
+            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: sections %u and %u lie at one position, %g", s->function, (uint64_t)order[i - 1],
+                             (uint64_t)order[i], g->positions[order[i]]);
+    if (end - first < 2)
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the body is in one section alone, %u: a body needs two", s->function,
+                         (uint64_t)order[first]);
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (end - first) * sizeof *s->plane, "the planes of a body", &s->plane));
+    s->plane_count = end - first;
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        s->plane[i].section = order[first + i];
+        s->plane[i].w = g->positions[order[first + i]];
+    }
+    return BVX_OK;
+}
+
+/* ---- points of a plane ---- */
+
+static int same_place(const double *a, const double *b)
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* Take the points of a loop, but those equal to the one before. */
+static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
+{
+    const bvx_section_loop *const l = &s->given->loops[number];
+    bvxi_contour *const c = &p->contour[p->contour_count++];
+    c->first = p->point_count;
+    c->given = number;
+    for (uint64_t i = 0; i < l->point_count; i++) {
+        uint64_t const at = l->first_point + i, before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
+        if (l->point_count > 1 && same_place(s->given->points + 3 * at, s->given->points + 3 * before)) {
+            s->report.repeated_points++;
+            continue;
+        }
+        p->given[p->point_count++] = (uint32_t)at;
+    }
+    c->count = p->point_count - c->first;
+    s->report.loops++;
+    s->report.points += l->point_count;
+    if (c->count >= 3) return BVX_OK;
+    return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: loop %u of section %u has %u different points; a loop needs three", s->function,
+                     (uint64_t)number, (uint64_t)p->section, (uint64_t)c->count);
+}
+
+/* Arrays for the points and loops of all planes, of which each has a stretch. */
+static bvx_status open_planes(bvxi_stack *s, const uint64_t *points, const uint32_t *loops)
+{
+    bvxi_plane *const all = &s->all;
+    uint64_t point = 0, loop = 0;
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        all->point_room += points[s->plane[i].section];
+        all->contour_room += loops[s->plane[i].section];
+    }
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->given));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 8, "the points of sections", &all->q));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 16, "the points of sections", &all->uv));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->next));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->ring));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->contour_room * sizeof *all->contour, "the loops of sections", &all->contour));
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        bvxi_plane *const p = &s->plane[i];
+        p->given = all->given + point;
+        p->q = all->q + point;
+        p->uv = all->uv + point;
+        p->next = all->next + point;
+        p->ring = all->ring + point;
+        p->contour = all->contour + loop;
+        point += points[p->section];
+        loop += loops[p->section];
+    }
+    return BVX_OK;
+}
+
+static bvx_status place_points(bvxi_stack *s, bvxi_plane *p)
+{
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        const double *const at = s->given->points + 3 * (uint64_t)p->given[i];
+        p->uv[i][0] = along_axis(s->axis[0], at);
+        p->uv[i][1] = along_axis(s->axis[1], at);
+        for (int k = 0; k < 2; k++) {
+            double const c = p->uv[i][k];
+            if (c - c != 0.0) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: point %u is too far out", s->function, (uint64_t)p->given[i]);
+            if (c < s->low[k]) s->low[k] = c;
+            if (c > s->high[k]) s->high[k] = c;
+        }
+    }
+    return BVX_OK;
+}
+
+/* Contour points of all sections lie near their planes. */
+static bvx_status check_flatness(bvxi_stack *s)
+{
+    double const u = s->high[0] - s->low[0], v = s->high[1] - s->low[1];
+    double const most = 1e-3 * (u > v ? u : v);
+    for (uint32_t k = 0; k < s->plane_count; k++) {
+        const bvxi_plane *const p = &s->plane[k];
+        double limit = most;
+        if (k > 0 && 0.25 * (p->w - p[-1].w) < limit) limit = 0.25 * (p->w - p[-1].w);
+        if (k + 1 < s->plane_count && 0.25 * (p[1].w - p->w) < limit) limit = 0.25 * (p[1].w - p->w);
+        for (uint32_t i = 0; i < p->point_count; i++) {
+            double const off = along_axis(s->axis[2], s->given->points + 3 * (uint64_t)p->given[i]) - p->w;
+            if (off > limit || off < -limit)
+                return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: point %u of section %u lies %g off its plane; %g is allowed", s->function,
+                                 (uint64_t)p->given[i], (uint64_t)p->section, off, limit);
+        }
+    }
+    return BVX_OK;
+}
+
+static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint32_t *plane_of, uint64_t *key)
+{
+    const bvx_sections *const g = s->given;
+    memset(loops, 0, (size_t)g->section_count * 4);
+    memset(points, 0, (size_t)g->section_count * 8);
+    for (uint64_t i = 0; i < g->loop_count; i++) {
+        if (g->loops[i].label != s->options.label) continue;
+        loops[g->loops[i].section]++;
+        points[g->loops[i].section] += g->loops[i].point_count;
+    }
+    BVXI_TRY(order_planes(s, loops, plane_of, key));
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        const bvxi_plane *const p = &s->plane[i];
+        if (loops[p->section] == 0) s->report.empty_sections++;
+        else s->report.sections++;
+    }
+    BVXI_TRY(open_planes(s, points, loops));
+    for (uint32_t i = 0; i < s->plane_count; i++) plane_of[s->plane[i].section] = i;
+    for (uint64_t i = 0; i < g->loop_count; i++)
+        if (g->loops[i].label == s->options.label) BVXI_TRY(take_loop(s, &s->plane[plane_of[g->loops[i].section]], (uint32_t)i));
+    for (uint32_t i = 0; i < s->plane_count; i++) BVXI_TRY(place_points(s, &s->plane[i]));
+    return check_flatness(s);
+}
+
+static bvx_status gather_planes(bvxi_stack *s)
+{
+    uint64_t const n = s->given->section_count;
+    uint32_t *loops = NULL, *plane_of = NULL;
+    uint64_t *points = NULL, *key = NULL;
+    bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' loops", &loops);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' order", &plane_of);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' points", &points);
+    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' positions", &key);
+    if (status == BVX_OK) status = gather(s, loops, points, plane_of, key);
+    bvxi_free(s->ctx, key, n * 8);
+    bvxi_free(s->ctx, points, n * 8);
+    bvxi_free(s->ctx, plane_of, n * 4);
+    bvxi_free(s->ctx, loops, n * 4);
+    return status;
+}
+
+/* ---- fixed point ---- */
+
+static void snap_plane(const bvxi_stack *s, bvxi_plane *p)
+{
+    double const unit = (double)(1 << (s->fine - 1));
+    for (uint32_t i = 0; i < p->point_count; i++)
+        for (int k = 0; k < 2; k++) {
+            int32_t const top = (s->size[k] << s->fine) - 1;
+            int32_t const q = 2 * (int32_t)floor((p->uv[i][k] - s->origin[k]) / s->step[k] * unit) + 1;
+            p->q[i][k] = q < 1 ? 1 : q > top ? top : q;
+        }
+}
+
+/* ---- directions ---- */
+
+/* Twice the area, exactly, as a sign. */
+static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
+{
+    bvxi_wide sum = bvxi_wide_mul(0, 0);
+    const int32_t *const o = p->q[c->first];
+    for (uint32_t i = c->first + 1; i + 1 < c->first + c->count; i++) {
+        int64_t const ax = (int64_t)p->q[i][0] - o[0], ay = (int64_t)p->q[i][1] - o[1];
+        int64_t const bx = (int64_t)p->q[i + 1][0] - o[0], by = (int64_t)p->q[i + 1][1] - o[1];
+        sum = bvxi_wide_add(sum, bvxi_wide_add(bvxi_wide_mul(ax, by), bvxi_wide_mul(-ay, bx)));
+    }
+    return bvxi_wide_sign(sum);
+}
+
+/* 1 when a point lies inside a loop that it is no point of. */
+static int is_in_loop(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
+{
+    int odd = 0;
+    for (uint32_t i = c->first; i < c->first + c->count; i++) {
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
+        int64_t s;
+        if ((a[1] <= at[1]) == (b[1] <= at[1])) continue;
+        s = ((int64_t)b[0] - a[0]) * ((int64_t)at[1] - a[1]) - ((int64_t)at[0] - a[0]) * ((int64_t)b[1] - a[1]);
+        odd ^= (s > 0) == (b[1] > a[1]);
+    }
+    return odd;
+}
+
+static void reverse_loop(bvxi_plane *p, const bvxi_contour *c)
+{
+    for (uint32_t i = c->first, j = c->first + c->count - 1; i < j; i++, j--) {
+        uint32_t const given = p->given[i];
+        int32_t q[2];
+        double uv[2];
+        memcpy(q, p->q[i], sizeof q);
+        memcpy(uv, p->uv[i], sizeof uv);
+        p->given[i] = p->given[j];
+        memcpy(p->q[i], p->q[j], sizeof q);
+        memcpy(p->uv[i], p->uv[j], sizeof uv);
+        p->given[j] = given;
+        memcpy(p->q[j], q, sizeof q);
+        memcpy(p->uv[j], uv, sizeof uv);
+    }
+}
+
+/* The boxes of loops keep most pairs from being looked at. */
+static bvx_status direct_loops(bvxi_stack *s, bvxi_plane *p)
+{
+    int32_t (*box)[4];
+    bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, p->contour_count * sizeof *box, "the boxes of loops", &box);
+    if (status != BVX_OK) return status;
+    for (uint32_t i = 0; i < p->contour_count; i++) {
+        const bvxi_contour *const c = &p->contour[i];
+        for (int k = 0; k < 2; k++) box[i][k] = box[i][k + 2] = p->q[c->first][k];
+        for (uint32_t j = c->first; j < c->first + c->count; j++)
+            for (int k = 0; k < 2; k++) {
+                if (p->q[j][k] < box[i][k]) box[i][k] = p->q[j][k];
+                if (p->q[j][k] > box[i][k + 2]) box[i][k + 2] = p->q[j][k];
+            }
+    }
+    for (uint32_t i = 0; i < p->contour_count && status == BVX_OK; i++) {
+        bvxi_contour *const c = &p->contour[i];
+        const int32_t *const at = p->q[c->first];
+        int const turn = turn_of(p, c);
+        c->hole = 0;
+        for (uint32_t j = 0; j < p->contour_count; j++)
+            if (j != i && at[0] >= box[j][0] && at[0] <= box[j][2] && at[1] >= box[j][1] && at[1] <= box[j][3])
+                c->hole ^= is_in_loop(p, &p->contour[j], at);
+        s->report.holes += (uint64_t)c->hole;
+        if (turn == 0)
+            status = bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: loop %u of section %u encloses no area", s->function, (uint64_t)c->given,
+                               (uint64_t)p->section);
+        else if ((turn > 0) == (c->hole != 0)) reverse_loop(p, c);
+    }
+    bvxi_free(s->ctx, box, p->contour_count * sizeof *box);
+    return status;
+}
+
+static uint64_t inside_bytes(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8;
+}
+
+static bvx_status ready_plane(bvxi_stack *s, bvxi_plane *p)
+{
+    snap_plane(s, p);
+    BVXI_TRY(bvxi_plane_check_simple(s, p));
+    BVXI_TRY(direct_loops(s, p));
+    p->area = bvxi_plane_area(s, p);
+    BVXI_TRY(bvxi_plane_tree(s, p));
+    return bvxi_plane_cut(s, p);
+}
+
+static void link_loops(bvxi_plane *p)
+{
+    for (uint32_t i = 0; i < p->contour_count; i++) {
+        const bvxi_contour *const c = &p->contour[i];
+        for (uint32_t j = 0; j < c->count; j++) p->next[c->first + j] = c->first + (j + 1 == c->count ? 0 : j + 1);
+    }
+}
+
+bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
+                           bvxi_stack *s)
+{
+    memset(s, 0, sizeof *s);
+    s->ctx = ctx;
+    s->function = function;
+    s->given = given;
+    s->options = *options;
+    s->low[0] = s->low[1] = 1e300;
+    s->high[0] = s->high[1] = -1e300;
+    BVXI_TRY(bvxi_section_frame(ctx, function, given->normal, s->axis));
+    BVXI_TRY(choose_label(s));
+    BVXI_TRY(gather_planes(s));
+    for (uint32_t i = 0; i < s->plane_count; i++) link_loops(&s->plane[i]);
+    BVXI_TRY(bvxi_stack_grid(s));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside", &s->all.inside));
+    for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        BVXI_TRY(bvxi_progress(ctx, "sections", (double)i / s->plane_count));
+        BVXI_TRY(ready_plane(s, &s->plane[i]));
+    }
+    return BVX_OK;
+}
+
+static void close_plane(bvxi_stack *s, bvxi_plane *p)
+{
+    bvxi_free(s->ctx, p->arc_cell, (uint64_t)p->arc_count * 4);
+    bvxi_free(s->ctx, p->arc, (uint64_t)p->arc_count * sizeof *p->arc);
+    bvxi_free(s->ctx, p->cut, (uint64_t)p->cut_room * sizeof *p->cut);
+    bvxi_free(s->ctx, p->box, (uint64_t)p->leaf_count * 2 * sizeof *p->box);
+}
+
+void bvxi_stack_close(bvxi_stack *s)
+{
+    for (int k = 2; k-- > 0;) bvxi_free(s->ctx, s->cap_edge[k], (uint64_t)s->cap_edge_room[k] * sizeof *s->cap_edge[k]);
+    bvxi_free(s->ctx, s->mesh.triangle, s->mesh.triangle_room * 12);
+    bvxi_free(s->ctx, s->mesh.position, s->mesh.vertex_room * 24);
+    for (uint32_t i = s->plane_count; i-- > 0;) close_plane(s, &s->plane[i]);
+    bvxi_free(s->ctx, s->all.inside, s->plane_count * inside_bytes(s));
+    bvxi_free(s->ctx, s->all.contour, s->all.contour_room * sizeof *s->all.contour);
+    bvxi_free(s->ctx, s->all.ring, s->all.point_room * 4);
+    bvxi_free(s->ctx, s->all.next, s->all.point_room * 4);
+    bvxi_free(s->ctx, s->all.uv, s->all.point_room * 16);
+    bvxi_free(s->ctx, s->all.q, s->all.point_room * 8);
+    bvxi_free(s->ctx, s->all.given, s->all.point_room * 4);
+    bvxi_free(s->ctx, s->plane, (uint64_t)s->plane_count * sizeof *s->plane);
+    memset(s, 0, sizeof *s);
+}

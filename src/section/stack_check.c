@@ -1,0 +1,74 @@
+/* stack_check.c - contour stacks as given: arrays that contradict each other are refused, and the frame of their planes. */
+#include "section/section.h"
+
+#include <math.h>
+
+static int is_number(double v)
+{
+    return v - v == 0.0;
+}
+
+static bvx_status check_loop(bvx_context *ctx, const char *function, const bvx_sections *given, uint64_t i)
+{
+    const bvx_section_loop *const l = &given->loops[i];
+    if (l->section >= given->section_count)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: loop %u is in section %u of %u", function, i, (uint64_t)l->section, given->section_count);
+    if (l->first_point > given->point_count || l->point_count > given->point_count - l->first_point)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: loop %u has points %u to %u of %u", function, i, l->first_point,
+                         l->first_point + l->point_count, given->point_count);
+    if (l->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: loop %u: reserved is not zero", function, i);
+    if (l->label == BVX_LABEL_ONLY) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: loop %u: the label stands for none", function, i);
+    return BVX_OK;
+}
+
+bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx_sections *given)
+{
+    if (given == NULL) return bvxi_fail_null(ctx, function, "sections");
+    if (given->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sections.reserved is not zero", function);
+    for (uint64_t i = 0; i < 4; i++)
+        if (given->reserved2[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sections.reserved2[%u] is not zero", function, i);
+    if (given->point_count > INT32_MAX || given->loop_count > INT32_MAX || given->section_count > INT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %u points, %u loops and %u sections; limits are 2^31", function, given->point_count,
+                         given->loop_count, given->section_count);
+    if ((given->points == NULL && given->point_count != 0) || (given->loops == NULL && given->loop_count != 0) ||
+        (given->positions == NULL && given->section_count != 0))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: an array of the sections is NULL although its count is not 0", function);
+    if (given->loop_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the sections hold no loop", function);
+    for (uint64_t i = 0; i < given->section_count; i++)
+        if (!is_number(given->positions[i]))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the position of section %u is not finite", function, i);
+    for (uint64_t i = 0; i < given->loop_count; i++) BVXI_TRY(check_loop(ctx, function, given, i));
+    for (uint64_t i = 0; i < 3 * given->point_count; i++)
+        if (!is_number(given->points[i]))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: point %u is not finite", function, i / 3);
+    return BVX_OK;
+}
+
+bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const double normal[3], double axis[3][3])
+{
+    double largest = 0.0, n[3], length, along;
+    int main = 0, first;
+    for (int i = 0; i < 3; i++) {
+        double const m = normal[i] < 0.0 ? -normal[i] : normal[i];
+        if (!is_number(m)) return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the normal is not finite", function);
+        if (m > largest) {
+            largest = m;
+            main = i;
+        }
+    }
+    if (largest == 0.0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the normal has no length", function);
+    for (int i = 0; i < 3; i++) n[i] = normal[i] / largest;
+    length = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
+    for (int i = 0; i < 3; i++) axis[2][i] = n[i] / length;
+    /* u: the axis behind the normal's main one, made square to it; v completes the frame */
+    first = (main + 1) % 3;
+    along = axis[2][first];
+    for (int i = 0; i < 3; i++) axis[0][i] = (i == first ? 1.0 : 0.0) - along * axis[2][i];
+    length = sqrt((axis[0][0] * axis[0][0] + axis[0][1] * axis[0][1]) + axis[0][2] * axis[0][2]);
+    for (int i = 0; i < 3; i++) axis[0][i] /= length;
+    for (int i = 0; i < 3; i++) {
+        int const j = (i + 1) % 3, k = (i + 2) % 3;
+        axis[1][i] = axis[2][j] * axis[0][k] - axis[2][k] * axis[0][j];
+    }
+    return BVX_OK;
+}

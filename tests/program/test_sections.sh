@@ -1,0 +1,129 @@
+#!/bin/sh
+# test_sections.sh [PROGRAM] - bodies from section contours by the bitvox program: sections and slice. PROGRAM is build/bitvox, or what
+# BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is "N passed, N failed[, N skipped]". Runs in the repository's
+# root, works in a folder of its own; CONTOURS is the folder of real contours [../shared/contours].
+set -u
+program=${1:-${BITVOX:-build/bitvox}}
+case $program in
+/*) ;;
+*) program=$PWD/$program ;;
+esac
+root=$PWD
+knot=$root/fixtures/knot.ply
+contours=${CONTOURS:-$root/../shared/contours}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM
+cd "$work" || exit 1
+passed=0 failed=0 skipped=0
+
+ok() { passed=$((passed + 1)); echo "ok $1"; }
+not_ok() { # NAME, WHY
+    failed=$((failed + 1))
+    echo "not ok $1"
+    echo "# $2"
+    sed 's/^/#   /' err | head -n 5
+}
+skip() { skipped=$((skipped + 1)); echo "ok $1 # SKIP $2"; }
+
+: >out
+: >err
+run() { # ARGUMENTS...: sets $status; out and err hold what was said
+    "$program" "$@" >out 2>err </dev/null
+    status=$?
+}
+
+gives() { # NAME, STATUS, WORDS (in out or err), ARGUMENTS...
+    gives_name=$1 gives_status=$2 gives_words=$3
+    shift 3
+    run "$@"
+    if [ "$status" != "$gives_status" ]; then not_ok "$gives_name" "exit status $status, not $gives_status"
+    elif ! cat out err | grep -q -F -e "$gives_words"; then not_ok "$gives_name" "nothing says: $gives_words"
+    else ok "$gives_name"; fi
+}
+
+field() { # NAME: a number of the JSON report in out
+    sed -n "s/.*\"$1\": \([-0-9.e+]*\).*/\1/p" out | head -n 1
+}
+
+near() { # NAME, A, B, SHARE
+    if awk -v a="$2" -v b="$3" -v s="$4" 'BEGIN { d = a - b; if (d < 0) d = -d; if (b < 0) b = -b; exit !(a != "" && d <= s * b) }'; then ok "$1"
+    else not_ok "$1" "$2 is not near $3"; fi
+}
+
+cat >prism.csv <<'END'
+section,position,loop,x,y
+1,0,1,0,0
+1,0,1,10,0
+1,0,1,10,8
+1,0,1,0,8
+1,0,2,3,3
+1,0,2,6,3
+1,0,2,6,5
+1,0,2,3,5
+2,4,1,0,0
+2,4,1,10,0
+2,4,1,10,8
+2,4,1,0,8
+2,4,2,3,3
+2,4,2,6,3
+2,4,2,6,5
+2,4,2,3,5
+END
+
+gives prism 0 'closed, manifold, oriented' sections prism.csv -o prism.ply
+run sections prism.csv -o prism.ply --grid 12x9 --json --block-model blocks.csv --block 2,2,1
+near 'volume of a prism with a hole' "$(field volume)" 296 1e-9
+near 'volume by blocks' "$(field block_volume)" 296 0.02
+near 'volume by prismoids' "$(field prismoid_volume)" 296 1e-9
+near 'block model adds up' "$(awk -F, 'NR > 1 { v += $4 * $5 * $6 * $7 } END { print v }' blocks.csv)" 296 0.02
+if [ "$(head -n 1 blocks.csv)" = x,y,z,dx,dy,dz,fraction ]; then ok 'head of a block model'; else not_ok 'head of a block model' "$(head -n 1 blocks.csv)"; fi
+if awk -F, 'NR > 1 && ($7 <= 0 || $7 > 1 || ($1 - 1) % 2 != 0) { bad = 1 } END { exit bad }' blocks.csv; then ok 'blocks lie at whole multiples'
+else not_ok 'blocks lie at whole multiples' 'a centre or share is wrong'; fi
+gives 'taper' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --caps taper --layers 2
+gives 'open' 0 'manifold, oriented, open' sections prism.csv -o prism.ply --caps open
+gives 'paper' 0 'closed, manifold, oriented' sections prism.csv -o prism.stl --crossings paper --spacing 0.7
+gives 'classic' 0 'closed, manifold, oriented' sections prism.csv -o prism.obj --crossings classic --spacing 0.7
+gives 'no contour file' 2 'ends in no contour format' sections "$knot" -o x.ply
+gives 'no mesh file' 2 'ends in no mesh format' sections prism.csv -o x.csv
+gives 'grid and spacing' 2 'contradict' sections prism.csv -o x.ply --grid 5x5 --spacing 1
+gives 'block without model' 2 'go together' sections prism.csv -o x.ply --block 1,1,1
+gives 'blocks of an open body' 2 'closed body' sections prism.csv -o x.ply --caps open --block 1,1,1 --block-model b.csv
+gives 'another label' 1 'no loop has the label 4' sections prism.csv -o x.ply --label 4
+sed 's/^1,0,2,6,5$/1,0,2,60,5/' prism.csv >crossed.csv
+gives 'loops that cross' 1 'cross or touch' sections crossed.csv -o x.ply
+if [ -e x.ply ] || [ -e b.csv ]; then not_ok 'refusals leave no file' 'x.ply or b.csv is there'; else ok 'refusals leave no file'; fi
+
+gives 'slice' 0 'planes' slice "$knot" -o knot.csl --spacing 0.05
+gives 'slice to a drawing' 0 'loops' slice "$knot" -o knot.svg --axis x --spacing 0.2
+gives 'slice to a table' 0 'points' slice "$knot" -o knot.csv --spacing 0.05
+gives 'a table across x' 2 'take .csl' slice "$knot" -o knot2.csv --axis x --spacing 0.2
+gives 'slice without spacing' 2 '--spacing is needed' slice "$knot" -o knot2.csl
+run info "$knot" --json
+volume=$(field volume)
+run sections knot.csl -o knot.ply --caps taper --json
+near 'mesh to contours to mesh' "$(field volume)" "$volume" 0.03
+cp knot.ply first.ply
+run sections knot.csv -o knot.ply --caps taper --json
+if cmp -s first.ply knot.ply; then ok 'both contour formats give one body'; else not_ok 'both contour formats give one body' 'the meshes differ'; fi
+
+for name in orex_eight_15.csl.gz orex_SideBishop.csl; do
+    if [ ! -f "$contours/$name" ]; then
+        skip "$name" 'the file is not there'
+        continue
+    fi
+    gives "$name" 0 'closed, manifold, oriented' sections "$contours/$name" -o real.ply --caps taper
+done
+if [ -f "$contours/orex_eight_15_reference.stl.gz" ]; then
+    run sections "$contours/orex_eight_15.csl.gz" -o real.ply --caps taper --json
+    cell=$(sed -n 's/.*"cell": \[\([0-9.e-]*\),.*/\1/p' out)
+    run compare real.ply "$contours/orex_eight_15_reference.stl.gz"
+    mean=$(awk '/both ways/ { print $3 }' out)
+    if awk -v m="$mean" -v c="$cell" 'BEGIN { exit !(m > 0 && m < c / 2) }'; then ok 'mean distance to the reference below half a cell'
+    else not_ok 'mean distance to the reference below half a cell' "$mean of $cell"; fi
+else
+    skip 'distance to the reference' 'the file is not there'
+fi
+
+echo "$passed passed, $failed failed$([ "$skipped" = 0 ] || echo ", $skipped skipped")"
+[ "$failed" = 0 ]

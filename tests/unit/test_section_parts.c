@@ -1,0 +1,303 @@
+/* test_section_parts.c - what bodies from sections stand on: inside tests of grid points and of corners of subdivided cells against a
+ * count of exact crossings, distances against all segments, rings, loops that touch, caps. */
+#include "section/slab.h"
+#include "tools/section_maker.h"
+#include "unity.h"
+
+#include <math.h>
+
+static bvx_context *ctx;
+static section_maker made;
+static bvx_sections_options o;
+static bvxi_stack stack;
+
+void setUp(void)
+{
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    bvx_sections_options_init(&o, sizeof o);
+    stack_clear(&made);
+}
+
+void tearDown(void)
+{
+    uint64_t const used = bvx_memory_used(ctx);
+    bvx_context_destroy(ctx);
+    TEST_ASSERT_EQUAL_UINT64(0, used);
+}
+
+/* An odd number of segments to the right of a place that is moved by (e_u, e_v), e_u >> e_v > 0. Its numbers are even, those of points odd,
+ * so no height of a point is met; a place on a segment lies to the right of it once it is moved. */
+static int oracle_inside(const bvxi_plane *p, int32_t u, int32_t v)
+{
+    int odd = 0;
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
+        int64_t dx, dy, s;
+        if ((a[1] < v) == (b[1] < v)) continue;
+        dx = (int64_t)b[0] - a[0];
+        dy = (int64_t)b[1] - a[1];
+        s = dx * ((int64_t)v - a[1]) - dy * ((int64_t)u - a[0]);
+        odd ^= dy > 0 ? s > 0 : s < 0;
+    }
+    return odd;
+}
+
+static int open_random(uint64_t *seed, int round_to)
+{
+    stack_random(&made, seed);
+    if (round_to != 0)
+        for (uint64_t i = 0; i < made.s.point_count; i++)
+            for (uint64_t k = 0; k < 2; k++) made.point[3 * i + k] = floor(made.point[3 * i + k] * round_to + 0.5) / round_to;
+    o.grid[0] = 2 + maker_below(seed, 40);
+    o.grid[1] = 2 + maker_below(seed, 90);
+    o.depth = maker_below(seed, 9);
+    o.label = 1;
+    return bvxi_stack_open(ctx, "test", &made.s, &o, &stack) == BVX_OK;
+}
+
+static void test_grid_points_against_exact_crossings(void)
+{
+    uint64_t seed = 5, tested = 0, inside = 0;
+    for (int i = 0; i < 300; i++) {
+        if (open_random(&seed, i % 3 == 0 ? 16 : 0))
+            for (uint32_t k = 0; k < stack.plane_count; k++)
+                for (int32_t y = 0; y <= stack.size[1]; y++)
+                    for (int32_t x = 0; x <= stack.size[0]; x++, tested++) {
+                        int const is = bvxi_grid_bit(&stack, &stack.plane[k], x, y);
+                        inside += (uint64_t)is;
+                        if (is != oracle_inside(&stack.plane[k], x << stack.fine, y << stack.fine))
+                            TEST_FAIL_MESSAGE("a grid point is on the other side");
+                    }
+        bvxi_stack_close(&stack);
+    }
+    TEST_ASSERT_TRUE(tested > 300000 && inside > tested / 20);
+}
+
+/* Lines that go exactly through contour segments' meetings with other lines: fixed point is set by hand. */
+static void test_segments_through_grid_points(void)
+{
+    static const int32_t corner[4][2] = {{3, 1}, {13, 11}, {9, 15}, {1, 7}}; /* slopes of 1 and -1 over even places */
+    uint64_t hits = 0;
+    stack_loop(&made, stack_section(&made, 0.0));
+    stack_loop(&made, stack_section(&made, 1.0));
+    for (uint32_t k = 0; k < 2; k++) {
+        made.loop[k].first_point = 4 * k;
+        for (int i = 0; i < 4; i++) {
+            memcpy(made.point + 3 * made.s.point_count, (double[3]){corner[i][0], corner[i][1], k}, 24);
+            made.s.point_count++;
+        }
+        made.loop[k].point_count = 4;
+    }
+    o.grid[0] = o.grid[1] = 8;
+    o.label = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_stack_open(ctx, "test", &made.s, &o, &stack));
+    for (int32_t scale = 0; scale < 3; scale++) {
+        bvxi_plane *const p = &stack.plane[0];
+        bvxi_plane fresh = *p;
+        uint64_t bits[9 * 2];
+        memset(bits, 0, sizeof bits);
+        for (int i = 0; i < 4; i++)
+            for (int a = 0; a < 2; a++) p->q[i][a] = (int32_t)((uint32_t)corner[i][a] << (stack.fine - 1)) + 1; /* grid lines are even */
+        fresh.arc = NULL;
+        fresh.arc_cell = NULL;
+        fresh.cut = NULL;
+        fresh.arc_count = fresh.cut_count = fresh.cut_room = 0;
+        fresh.inside = bits;
+        for (int i = 0; i < 4; i++) /* even and odd places of the diagonals against the lines */
+            p->q[i][0] += 2 * scale;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_plane_cut(&stack, &fresh));
+        for (int32_t y = 0; y <= 8; y++)
+            for (int32_t x = 0; x <= 8; x++) {
+                fresh.inside = bits;
+                TEST_ASSERT_EQUAL_INT(oracle_inside(p, x << stack.fine, y << stack.fine), bvxi_grid_bit(&stack, &fresh, x, y));
+                for (int i = 0; i < 4; i++) {
+                    const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
+                    int64_t const s = ((int64_t)b[0] - a[0]) * (((int64_t)y << stack.fine) - a[1]) - ((int64_t)b[1] - a[1]) * (((int64_t)x << stack.fine) - a[0]);
+                    hits += s == 0;
+                }
+            }
+        bvxi_free(ctx, fresh.arc_cell, fresh.arc_count * 4ull);
+        bvxi_free(ctx, fresh.arc, fresh.arc_count * sizeof *fresh.arc);
+        bvxi_free(ctx, fresh.cut, fresh.cut_room * sizeof *fresh.cut);
+    }
+    bvxi_stack_close(&stack);
+    TEST_ASSERT_TRUE(hits > 10); /* the ties did occur */
+}
+
+static void test_corners_of_cells_against_exact_crossings(void)
+{
+    uint64_t seed = 6, tested = 0, deepest = 0;
+    for (int i = 0; i < 200; i++) {
+        bvxi_slab *slabs = NULL;
+        uint32_t count = 0;
+        if (open_random(&seed, i % 3 == 0 ? 16 : 0)) {
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_slabs_make(&stack, &slabs, &count));
+            for (uint32_t n = 0; n < stack.slab_count; n++) {
+                const bvxi_slab *const b = &slabs[n];
+                for (uint32_t l = 0; l < b->leaf_count; l++)
+                    for (int k = 0; k < 2; k++)
+                        for (int c = 0; c < 4; c++, tested++) {
+                            const bvxi_leaf *const leaf = &b->leaf[l];
+                            int32_t const u = leaf->low[0] + (c & 1) * leaf->size, v = leaf->low[1] + (c >> 1) * leaf->size;
+                            if ((leaf->inside[k] >> c & 1) != oracle_inside(b->plane[k], u, v)) TEST_FAIL_MESSAGE("a corner is on the other side");
+                            deepest += leaf->size == 1 << (stack.fine - 8);
+                        }
+            }
+        }
+        bvxi_slabs_free(&stack, slabs, count);
+        bvxi_stack_close(&stack);
+    }
+    TEST_ASSERT_TRUE(tested > 100000 && deepest > 100);
+}
+
+static double oracle_distance(const bvxi_plane *p, double u, double v)
+{
+    double best = 1e300;
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
+        double const x = b[0] - a[0], y = b[1] - a[1];
+        double t = ((u - a[0]) * x + (v - a[1]) * y) / (x * x + y * y);
+        t = t < 0 ? 0 : t > 1 ? 1 : t;
+        double const ex = u - (a[0] + t * x), ey = v - (a[1] + t * y), d = sqrt(ex * ex + ey * ey);
+        if (d < best) best = d;
+    }
+    return best;
+}
+
+static void test_distances_against_all_segments(void)
+{
+    uint64_t seed = 7;
+    int n = 0;
+    while (n < 60) {
+        if (open_random(&seed, 0)) {
+            uint32_t hint = BVXI_NONE;
+            for (int j = 0; j < 200; j++) {
+                double const u = maker_between(&seed, -2, 5, 10000), v = maker_between(&seed, -2, 5, 10000);
+                TEST_ASSERT_DOUBLE_WITHIN(1e-12, oracle_distance(&stack.plane[0], u, v), bvxi_plane_distance(&stack.plane[0], u, v, &hint));
+            }
+            n++;
+        }
+        bvxi_stack_close(&stack);
+    }
+}
+
+/* In the ring, positions of points and cuts run along the loops; cuts of one line on one segment are one vertex. */
+static void test_rings_run_along_the_loops(void)
+{
+    uint64_t seed = 8, cuts = 0;
+    for (int i = 0; i < 100; i++) {
+        bvxi_slab *slabs = NULL;
+        uint32_t count = 0;
+        if (open_random(&seed, 0)) {
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_slabs_make(&stack, &slabs, &count));
+            for (uint32_t k = 0; k < stack.plane_count; k++) {
+                bvxi_plane *const p = &stack.plane[k];
+                if (p->contour_count == 0) continue;
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_plane_ring(&stack, p));
+                TEST_ASSERT_TRUE(p->ring_count >= p->point_count + p->grid_cut_count && p->ring_count <= p->point_count + p->cut_count);
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_plane_emit(&stack, p));
+                for (uint32_t c = 0; c < p->cut_count; c++, cuts++) {
+                    uint32_t const from = p->ring[p->cut[c].segment];
+                    uint32_t const end = p->cut[c].segment + 1 < p->point_count ? p->ring[p->cut[c].segment + 1] : p->ring_count;
+                    TEST_ASSERT_TRUE(p->cut[c].ring > from && p->cut[c].ring < end);
+                }
+                for (uint32_t c = 0; c < p->point_count; c++) { /* places along a segment grow */
+                    const double *const a = made.point + 3 * p->given[c], *const b = made.point + 3 * p->given[p->next[c]];
+                    uint32_t const end = c + 1 < p->point_count ? p->ring[c + 1] : p->ring_count;
+                    double last = 0.0;
+                    for (uint32_t r = p->ring[c] + 1; r < end; r++) {
+                        const double *const at = stack.mesh.position + 3 * (uint64_t)(p->vertex + r);
+                        double const along = (at[0] - a[0]) * (b[0] - a[0]) + (at[1] - a[1]) * (b[1] - a[1]);
+                        TEST_ASSERT_TRUE(along > last);
+                        last = along;
+                    }
+                }
+            }
+        }
+        bvxi_slabs_free(&stack, slabs, count);
+        bvxi_stack_close(&stack);
+    }
+    TEST_ASSERT_TRUE(cuts > 10000);
+}
+
+/* Every pair of segments, exactly. */
+static int64_t side_of(const int32_t *a, const int32_t *b, const int32_t *c)
+{
+    return ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) - ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
+}
+
+static int sign_of(int64_t v)
+{
+    return (v > 0) - (v < 0);
+}
+
+static int oracle_is_simple(const bvxi_plane *p)
+{
+    for (uint32_t i = 0; i < p->point_count; i++)
+        for (uint32_t j = 0; j < i; j++) {
+            const int32_t *const a = p->q[i], *const b = p->q[p->next[i]], *const c = p->q[j], *const d = p->q[p->next[j]];
+            if (p->next[i] == j || p->next[j] == i) {
+                const int32_t *const m = p->next[i] == j ? b : a, *const x = p->next[i] == j ? a : b, *const y = p->next[i] == j ? d : c;
+                if (side_of(m, x, y) == 0 && ((int64_t)x[0] - m[0]) * ((int64_t)y[0] - m[0]) + ((int64_t)x[1] - m[1]) * ((int64_t)y[1] - m[1]) > 0) return 0;
+            } else if (sign_of(side_of(a, b, c)) * sign_of(side_of(a, b, d)) <= 0 && sign_of(side_of(c, d, a)) * sign_of(side_of(c, d, b)) <= 0) {
+                int32_t const left = (a[0] < b[0] ? a[0] : b[0]), right = (a[0] > b[0] ? a[0] : b[0]);
+                int32_t const low = (a[1] < b[1] ? a[1] : b[1]), high = (a[1] > b[1] ? a[1] : b[1]);
+                if ((c[0] < left && d[0] < left) || (c[0] > right && d[0] > right) || (c[1] < low && d[1] < low) || (c[1] > high && d[1] > high)) continue;
+                return 0;
+            }
+        }
+    return 1;
+}
+
+/* Small polygons on few places, of which many touch themselves. */
+static void test_simple_loops_against_all_pairs(void)
+{
+    uint64_t seed = 9, simple = 0, crossed = 0;
+    for (int i = 0; i < 20000; i++) {
+        int const n = 3 + maker_below(&seed, 5);
+        bvxi_plane p;
+        bvxi_contour c;
+        int32_t q[8][2];
+        uint32_t next[8], given[8];
+        int repeated = 0;
+        memset(&stack, 0, sizeof stack);
+        memset(&p, 0, sizeof p);
+        memset(&c, 0, sizeof c);
+        stack.ctx = ctx;
+        stack.function = "test";
+        stack.given = &made.s;
+        made.loop[0].first_point = 0;
+        c.count = (uint32_t)n;
+        for (int k = 0; k < n; k++) {
+            q[k][0] = 2 * maker_below(&seed, 6) + 1;
+            q[k][1] = 2 * maker_below(&seed, 6) + 1;
+            next[k] = (uint32_t)((k + 1) % n);
+            given[k] = (uint32_t)k;
+        }
+        for (int k = 0; k < n; k++) repeated |= q[k][0] == q[(k + 1) % n][0] && q[k][1] == q[(k + 1) % n][1];
+        if (repeated) continue;
+        p.q = q;
+        p.next = next;
+        p.given = given;
+        p.contour = &c;
+        p.point_count = (uint32_t)n;
+        p.contour_count = 1;
+        int const expected = oracle_is_simple(&p), is = bvxi_plane_check_simple(&stack, &p) == BVX_OK;
+        TEST_ASSERT_EQUAL_INT(expected, is);
+        simple += (uint64_t)is;
+        crossed += (uint64_t)!is;
+    }
+    TEST_ASSERT_TRUE(simple > 1000 && crossed > 1000);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_grid_points_against_exact_crossings);
+    RUN_TEST(test_segments_through_grid_points);
+    RUN_TEST(test_corners_of_cells_against_exact_crossings);
+    RUN_TEST(test_distances_against_all_segments);
+    RUN_TEST(test_rings_run_along_the_loops);
+    RUN_TEST(test_simple_loops_against_all_pairs);
+    return UNITY_END();
+}
