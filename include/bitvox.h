@@ -441,7 +441,9 @@ enum {
                                fills cavities; the surface's own voxels vote */
     BVX_FILL_REGIONS = 4, /**< each region that the conservative surface leaves (connected through faces) is inside or outside as
                                a whole: keeps cavities; the surface's own voxels vote */
-    BVX_FILL_BELOW = 5    /**< all that lies under a terrain, or between two */
+    BVX_FILL_BELOW = 5,   /**< all that lies under a terrain, or between two */
+    BVX_FILL_WINDING = 6  /**< generalized winding number above a half either way: where rows balance it is NONZERO, holes close
+                               smoothly; overlapping parts are one, flipped triangles are not for it */
 };
 
 /** Counts of one call, for its window (edges: of the mesh); those of rules that were not asked for are 0. */
@@ -913,6 +915,126 @@ BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid,
  *  Cost: O(n), radix sorts. Memory: the result, and 24 bytes a vertex or triangle of the parts. */
 BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole);
 
+/* ---- Distance fields ---------------------------------------------------------------------------------------- */
+
+/** What decides that a centre is inside. */
+enum {
+    BVX_SIGN_AUTO = 0,        /**< EXACT for closed, oriented meshes; else WINDING, or VOTE where triangles are flipped */
+    BVX_SIGN_EXACT = 1,       /**< the solid's own rule (BVX_FILL_PARITY): field and solid never disagree */
+    BVX_SIGN_NORMAL = 2,      /**< the side of the closest triangle (the paper's): wrong near edges and corners */
+    BVX_SIGN_PSEUDONORMAL = 3, /**< the side of the closest feature by angle-weighted normals: right for closed, oriented meshes
+                                   that do not cross themselves */
+    BVX_SIGN_WINDING = 4,     /**< BVX_FILL_WINDING: holes and overlaps */
+    BVX_SIGN_VOTE = 5,        /**< BVX_FILL_VOTE: holes and flipped triangles */
+    BVX_SIGN_NONE = 6         /**< no side at all: distances are not negative */
+};
+
+/** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value number n is that of set voxel
+ *  number n of band, counted in the order of its bits (z, y, x). */
+typedef struct bvx_field {
+    bvx_grid band;        /**< set: centres that have a value */
+    bvx_grid inside;      /**< set: centres inside, in all of the window; empty for BVX_SIGN_NONE. NORMAL, PSEUDONORMAL: in the band,
+                               and beyond it as their neighbours towards it */
+    uint64_t *row_values; /**< number of each row's first value, row z * size[1] + y [Size: rows + 1] */
+    uint64_t value_count; /**< row_values[rows] */
+    void *vectors;        /**< from the centre to the closest point, x y z; float or double [Size: value_count * 3] [Units: world] */
+    void *distances;      /**< negative inside; float or double [Size: value_count] [Units: world] */
+    uint32_t *triangles;  /**< the closest triangle, or NULL [Size: value_count] */
+    uint8_t *features;    /**< where on it, as in bvx_closest_point, or NULL [Size: value_count] */
+    int32_t value_type;   /**< BVX_F32 or BVX_F64 */
+    int32_t sign;         /**< BVX_SIGN_... that decided */
+    double half_width;    /**< of the band; infinity: every centre has a value [Units: world] */
+    uint64_t reserved[4];
+} bvx_field;
+
+/** Return what the library allocated and zero the struct. */
+BVX_API void bvx_field_free(bvx_context *context, bvx_field *field);
+
+typedef struct bvx_field_options {
+    size_t struct_size;
+    double half_width;   /**< of the band, Euclidean [Units: largest spacings] [Limit: > 0; infinity: all centres] [Default: 3] */
+    int32_t sign;        /**< BVX_SIGN_... [Default: BVX_SIGN_AUTO] */
+    int32_t value_type;  /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    bvx_window window;   /**< [Default: all zero, the whole lattice] */
+    int32_t no_vectors;  /**< 1: vectors stay NULL [Default: 0] */
+    int32_t features;    /**< 1: fill triangles and features [Default: 0] */
+    uint64_t reserved[2];
+} bvx_field_options;
+
+BVX_API void bvx_field_options_init(bvx_field_options *options, size_t size);
+
+/**
+ * Measure the distance from the centres of voxels to a mesh.
+ *
+ * The closest point is that of the least (distance squared, triangle number) by one stated evaluation in doubles, so the bytes
+ * depend on nothing but mesh and lattice. A window holds the values of the whole there.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle, or none of area), BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET,
+ * BVX_CANCELLED.
+ * Source: "Model repair by a vector distance field".
+ */
+BVX_API bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                     const bvx_field_options *options, bvx_field *field);
+
+/** Number of the value at voxel (x,y,z) of the window, or UINT64_MAX where it has none. Cost: O(words of a row). */
+BVX_API uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z);
+
+/** What a dense field holds where the band has no value. */
+enum {
+    BVX_FAR_CONSTANT = 0,  /**< half_width, negative inside; vectors 0 */
+    BVX_FAR_PROPAGATED = 1 /**< from neighbours: the distance to one of the triangles that are closest to centres of the band */
+};
+
+/** Every centre of the window, x fastest, then y, then z. vectors 0: signed distances, 1: vectors, three floats each.
+ *  values [Size: size[0] * size[1] * size[2], times 3 for vectors]. PROPAGATED needs the mesh and features in the field. */
+BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh, int32_t far,
+                                   int32_t vectors, float *values);
+
+/** Where the surface cuts a lattice edge whose ends A and B lie on either side. Always strictly inside the edge. */
+enum {
+    BVX_EDGE_VECTOR = 0, /**< where the line through the closest points of both ends passes nearest to the edge's line; where there
+                              is no such place, as SCALAR; where both have one closest point, its projection */
+    BVX_EDGE_SCALAR = 1, /**< where the signed distance, taken as linear, is 0 */
+    BVX_EDGE_MIDDLE = 2,
+    BVX_EDGE_PAPER = 3   /**< VECTOR with the paper's clamps to the ends in place of SCALAR */
+};
+
+typedef struct bvx_field_surface_report {
+    uint64_t edges;    /**< crossings placed */
+    uint64_t scalar;   /**< of these, VECTOR or PAPER: placed by the signed distance */
+    uint64_t middle;   /**< placed in the middle: no values at one of the ends */
+    uint64_t sharp_cells; /**< sharp: cells that got a vertex of their own */
+    uint64_t sharp_taken_back; /**< sharp: cells whose vertex would have turned or crossed a triangle */
+    uint64_t flipped_edges; /**< sharp: edges between such cells that were turned to join their vertices */
+    uint64_t reserved[4];
+} bvx_field_surface_report;
+
+typedef struct bvx_field_surface_options {
+    size_t struct_size;
+    int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_VECTOR] */
+    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t position_type; /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
+    int32_t sharp;         /**< 1: cells on sharp edges and corners get a vertex there [Default: 0] */
+    int32_t reserved;
+    double sharp_angle;    /**< sharp: facets that meet at less than this are smooth [Units: cosine of the angle between their
+                                normals] [Limit: -1..1] [Default: 0.8] */
+    bvx_field_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
+} bvx_field_surface_options;
+
+BVX_API void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t size);
+
+/**
+ * The surface between inside and outside centres of a field, by marching cubes with vertices where the field has the surface.
+ *
+ * Closed, outwards, edge- and vertex-manifold, without crossing triangles, for every field; order as in bvx_extract_surface
+ * (sharp: vertices of cells come after those of edges, in order of their cells).
+ * mesh  the mesh that the field was measured from; looked at for sharp alone, else it may be NULL
+ * Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field without inside, or without vectors where they are needed.
+ */
+BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
+                                             const bvx_field_surface_options *options, bvx_mesh *surface);
+
 /* ---- Levels of detail -------------------------------------------------------------------------------------- */
 
 enum {
@@ -971,6 +1093,60 @@ BVX_API void bvx_lod_options_init(bvx_lod_options *options, size_t size);
  */
 BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
                                   uint64_t level_count, bvx_mesh *levels);
+
+/* ---- Repair -------------------------------------------------------------------------------------------------- */
+
+typedef struct bvx_repair_report {
+    bvx_certificate before;      /**< of the input, vertices at equal positions taken as one */
+    bvx_certificate after;       /**< of the result */
+    bvx_lattice lattice;         /**< that the result was made on */
+    int32_t sign;                /**< BVX_SIGN_... that decided */
+    int32_t shelled;             /**< 1: open sheets became shells */
+    uint64_t holes;              /**< loops of open edges in the input */
+    double hole_length;          /**< of all of them [Units: world] */
+    double longest_hole;         /**< [Units: world] */
+    uint64_t sheet_edges;        /**< crossings of the result far from the input's surface: the sheets over holes */
+    uint64_t shelled_triangles;  /**< of the input, that became shells */
+    uint64_t overlaps;           /**< voxels in more than one turn of the surface: overlapping parts */
+    uint64_t parts_kept, parts_dropped;       /**< pieces of the solid */
+    uint64_t cavities_kept, cavities_dropped;
+    uint64_t searched;           /**< target_triangles: resolutions that the search tried */
+    bvx_distance_report distance; /**< measure 1: a is the input, b the result */
+    double mean_off_caps, max_off_caps; /**< measure 1: from the result to the input, without the sheets over holes [Units: world] */
+    uint64_t reserved[8];
+} bvx_repair_report;
+
+typedef struct bvx_repair_options {
+    size_t struct_size;
+    const bvx_lattice *lattice;  /**< to work on, [Default: NULL, fitted by resolution with 2 voxels of padding] */
+    int32_t resolution;          /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256] */
+    int32_t sign;                /**< BVX_SIGN_... but NONE [Default: BVX_SIGN_AUTO: WINDING, or VOTE where triangles are flipped] */
+    int32_t interpolation;       /**< BVX_EDGE_... [Default: BVX_EDGE_VECTOR] */
+    int32_t face_rule;           /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t sharp;               /**< as for bvx_extract_field_surface [Default: 0] */
+    int32_t position_type;       /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t local_frame;         /**< as for bvx_extract_field_surface [Default: 0] */
+    int32_t measure;             /**< 1: fill the report's distances, from measure_samples points a side [Default: 0] */
+    double shell;                /**< thickness that open sheets are given [Units: largest spacings] [Limit: 0: none are made; else
+                                      >= 1.5] [Default: 2] */
+    uint64_t least_part;         /**< pieces of fewer voxels are dropped [Default: 0] */
+    uint64_t least_cavity;       /**< cavities of fewer voxels are filled [Default: 0] */
+    uint64_t target_triangles;   /**< the largest resolution, up to resolution, that a bisection finds not to exceed it [Default: 0, none] */
+    uint64_t measure_samples;    /**< [Limit: 1..2^31-1] [Default: 100000] */
+    bvx_repair_report *report;   /**< receives what was found and done when not NULL [Default: NULL] */
+    uint64_t reserved[2];
+} bvx_repair_options;
+
+BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
+
+/**
+ * Make a closed, manifold, oriented mesh without crossing triangles from any mesh.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area; nothing is left: no inside and no shells asked for, or all parts
+ * below least_part), BVX_ERR_RANGE, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ * Source: "Model repair by a vector distance field", with its formula mended.
+ */
+BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired);
 
 /* ==== Second section: formats and pictures ================================================================== */
 
@@ -1051,6 +1227,13 @@ BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, in
  */
 BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states, int32_t format,
                                     bvx_buffer *file);
+
+/** Write a field, dense: signed distances (vectors 0) or vectors (1) as f32; beyond the band half_width, negative inside, or 0 0 0.
+ *  BVX_FORMAT_NPY: [x,y,z] or [x,y,z,3], Fortran order; BVX_FORMAT_NRRD: float, "space origin" the centre of the first voxel;
+ *  BVX_FORMAT_VTI: point data at the centres. Values from the field's inside alone in between never differ in sign from it.
+ *  Returns as bvx_write_grid. Memory: the file. */
+BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t vectors, int32_t format,
+                                   bvx_buffer *file);
 
 /**
  * Read a grid from the bytes of a file.
