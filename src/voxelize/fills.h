@@ -7,10 +7,13 @@
 enum { BVXI_MOST_GAP = 65535 };
 
 /* vote.c: solid's words become the vote. sure: words of the same shape (scratch), left with the centres whose rows along x, y
- * and z balance and agree; with want_clear also those that see the mesh within a quarter of all directions from a whole number of
- * turns. Local. Scratch: one turned grid, 3 bytes a row, and where there are holes holes.h and sheet.h. */
+ * and z balance and agree; with want_clear also those whose solid angle lies within a quarter of a turn of a whole number. Local. Scratch: one turned grid, 3 bytes a row, and where there are holes holes.h and sheet.h. */
 bvx_status bvxi_vote(bvx_context *ctx, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure, double from,
                      double to, bvx_solid_report *report);
+
+/* winding.c: solid's words become the centres whose generalized winding number is beyond a half. Local. Scratch: as for the rule
+ * nonzero, holes.h and, where there are holes, sheet.h and turns.h. */
+bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *solid, double from, double to, bvx_solid_report *report);
 
 /* regions.c, flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one. solid and surface
  * cover the whole lattice. */
@@ -19,6 +22,11 @@ bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *
 /* Closing gaps adds to surface. *leaked: 1 when the flood reached every centre off the surface, though the vote has some of them surely inside. */
 bvx_status bvxi_flood(bvx_context *ctx, const char *function, bvx_grid *surface, const uint64_t *sure, int32_t close_gaps,
                       bvx_grid *solid, bvx_solid_report *report, int32_t *leaked);
+
+/* flood_rim.c: walls' voxels that vote outside become inside where what the flood filled is nearer than what it reached. filled:
+ * words of the shape of solid, set where the flood filled against the vote; used up. Scratch: 8 bytes a wall voxel that votes
+ * outside. */
+bvx_status bvxi_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64_t *filled, bvx_grid *solid);
 
 /* close_gaps.c: put to the words of grid what a cube of gap + 1 voxels a side cannot reach when it moves through empty voxels,
  * also beyond the window. Scratch: one more grid. */

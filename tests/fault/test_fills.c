@@ -5,15 +5,15 @@
 
 /* ---- Inputs, made once ---- */
 
-static maker_mesh closed, holes; /* holes: triangles missing and turned */
-static bvx_mesh_view closed_view, holes_view;
+static maker_mesh closed, hollow, holes; /* hollow: a cavity; holes: triangles missing and turned */
+static bvx_mesh_view closed_view, hollow_view, holes_view;
 static bvx_lattice lattice;
 static bvx_grid surface;
 static bvx_context *maker; /* what made them */
 
 static int make_inputs(void **state)
 {
-    static const double centre[3] = {11, 10, 9}, radius[3] = {9, 8, 7};
+    static const double centre[3] = {11, 10, 9}, radius[3] = {9, 8, 7}, inner[3] = {5, 4.5, 4};
     uint64_t seed = 4713;
     bvx_context_options o = default_options();
     (void)state;
@@ -21,9 +21,12 @@ static int make_inputs(void **state)
     maker = context_with(&o);
     maker_star(&closed, &seed, centre, radius, 0.2, 7, 11, 65536);
     maker_star(&holes, &seed, centre, radius, 0.2, 7, 11, 65536);
+    maker_star(&hollow, &seed, centre, radius, 0.1, 7, 11, 65536);
+    maker_star(&hollow, &seed, centre, inner, 0.1, 7, 11, 65536);
     for (int i = 0; i < 7; i++) maker_remove(&holes, (size_t)maker_below(&seed, (int32_t)holes.triangles));
     maker_flip(&holes, 20, 40);
     closed_view = maker_view(&closed);
+    hollow_view = maker_view(&hollow);
     holes_view = maker_view(&holes);
     assert_int_equal(bvx_lattice_fit(maker, &closed_view, 24, &lattice), BVX_OK);
     assert_int_equal(bvx_voxelize_surface(maker, &closed_view, &lattice, NULL, &surface), BVX_OK);
@@ -37,6 +40,7 @@ static int free_inputs(void **state)
     assert_int_equal(bvx_memory_used(maker), 0);
     bvx_context_destroy(maker);
     maker_free(&closed);
+    maker_free(&hollow);
     maker_free(&holes);
     return 0;
 }
@@ -91,7 +95,7 @@ static bvx_status flood(void *user, bvx_context *ctx)
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_FLOOD;
     o.close_gaps = 2;
-    return fill_by(ctx, &closed_view, &o);
+    return fill_by(ctx, &hollow_view, &o);
 }
 
 static bvx_status below(void *user, bvx_context *ctx)

@@ -79,6 +79,25 @@ static inline double fill_turns_at(const int64_t *q, const uint32_t *t, size_t c
     return turns;
 }
 
+/* 1 when the triangles of every edge, corners at equal places taken as one, cancel out but for one: the solid angle of all is
+ * then that of a mesh closed by a sheet. */
+static inline int fill_runs_one_way(const int64_t *q, const uint32_t *t, size_t count)
+{
+    size_t const edges = 3 * count;
+    for (size_t i = 0; i < edges; i++) {
+        const int64_t *const a = q + 3 * (size_t)t[i], *const b = q + 3 * (size_t)t[i % 3 == 2 ? i - 2 : i + 1];
+        int all = 0, net = 0;
+        for (size_t k = 0; k < edges; k++) {
+            const int64_t *const c = q + 3 * (size_t)t[k], *const d = q + 3 * (size_t)t[k % 3 == 2 ? k - 2 : k + 1];
+            int const along = memcmp(a, c, 24) == 0 && memcmp(b, d, 24) == 0, against = memcmp(a, d, 24) == 0 && memcmp(b, c, 24) == 0;
+            all += along || against;
+            net += along - against;
+        }
+        if (net != (all % 2 == 0 ? 0 : net < 0 ? -1 : 1)) return 0;
+    }
+    return 1;
+}
+
 /* ---- Floods voxel by voxel ---- */
 
 static inline size_t fill_place(const int32_t n[3], int32_t x, int32_t y, int32_t z)
@@ -118,6 +137,32 @@ static inline int32_t fill_label(const uint8_t *open, const int32_t n[3], int co
     }
     free(queue);
     return labels;
+}
+
+/* Steps to any voxel around, by voxels with open != 0, from those that are seeds (1 step) to each; INT32_MAX where none leads. */
+static inline int32_t *fill_steps(const uint8_t *open, const uint8_t *seeds, const int32_t n[3])
+{
+    size_t const count = (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
+    int32_t *const steps = maker_grow(NULL, count * sizeof *steps);
+    int changed = 1;
+    for (size_t i = 0; i < count; i++) steps[i] = open[i] && seeds[i] ? 1 : INT32_MAX;
+    while (changed) {
+        changed = 0;
+        for (size_t i = 0; i < count; i++) {
+            int32_t const v[3] = {(int32_t)(i % (size_t)n[0]), (int32_t)(i / (size_t)n[0] % (size_t)n[1]),
+                                  (int32_t)(i / (size_t)n[0] / (size_t)n[1])};
+            for (int32_t d = 0; d < 27 && open[i]; d++) {
+                int32_t const u[3] = {v[0] + d % 3 - 1, v[1] + d / 3 % 3 - 1, v[2] + d / 9 - 1};
+                size_t from;
+                if (u[0] < 0 || u[1] < 0 || u[2] < 0 || u[0] >= n[0] || u[1] >= n[1] || u[2] >= n[2]) continue;
+                from = fill_place(n, u[0], u[1], u[2]);
+                if (steps[from] == INT32_MAX || steps[from] + 1 >= steps[i]) continue;
+                steps[i] = steps[from] + 1;
+                changed = 1;
+            }
+        }
+    }
+    return steps;
 }
 
 static inline uint8_t *fill_bytes(const bvx_grid *g, int empty)
