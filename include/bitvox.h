@@ -441,7 +441,9 @@ enum {
                                fills cavities; the surface's own voxels vote, but around cavities */
     BVX_FILL_REGIONS = 4, /**< each region that the conservative surface leaves (connected through faces) is inside or outside as
                                a whole: keeps cavities; the surface's own voxels vote */
-    BVX_FILL_BELOW = 5    /**< all that lies under a terrain, or between two */
+    BVX_FILL_BELOW = 5,   /**< all that lies under a terrain, or between two */
+    BVX_FILL_WINDING = 6  /**< generalized winding number above a half either way: where rows balance it is NONZERO, holes close
+                               smoothly; overlapping parts are one, flipped triangles are not for it */
 };
 
 /** Counts of one call, for its window (edges: of the mesh); those of rules that were not asked for are 0. */
@@ -933,6 +935,165 @@ BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid,
  *  Cost: O(n), radix sorts. Memory: the result, and 24 bytes a vertex or triangle of the parts. */
 BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole);
 
+/* ---- Distance fields ---------------------------------------------------------------------------------------- */
+
+/** What decides that a centre is inside. */
+enum {
+    BVX_SIGN_AUTO = 0,        /**< EXACT for closed, oriented meshes; else WINDING, or VOTE where triangles are flipped */
+    BVX_SIGN_EXACT = 1,       /**< the solid's own rule (BVX_FILL_PARITY): field and solid never disagree */
+    BVX_SIGN_NORMAL = 2,      /**< the side of the closest triangle (the paper's): wrong near edges and corners */
+    BVX_SIGN_PSEUDONORMAL = 3, /**< the side of the closest feature by angle-weighted normals: right for closed, oriented meshes
+                                   that do not cross themselves */
+    BVX_SIGN_WINDING = 4,     /**< BVX_FILL_WINDING: holes and overlaps */
+    BVX_SIGN_VOTE = 5,        /**< BVX_FILL_VOTE: holes and flipped triangles */
+    BVX_SIGN_NONE = 6         /**< no side at all: distances are not negative */
+};
+
+/** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value number n is that of set voxel
+ *  number n of band, counted in the order of its bits (z, y, x). */
+typedef struct bvx_field {
+    bvx_grid band;        /**< set: centres that have a value */
+    bvx_grid inside;      /**< set: centres inside, in all of the window; all zero, without words, for BVX_SIGN_NONE. NORMAL,
+                               PSEUDONORMAL: beyond the band as the first side that comes from it, a voxel a step through faces;
+                               outside where both come at once */
+    uint64_t *row_values; /**< number of each row's first value, row z * size[1] + y [Size: rows + 1] */
+    uint64_t value_count; /**< row_values[rows] */
+    void *vectors;        /**< from the centre to the closest point, x y z; float or double [Size: value_count * 3] [Units: world] */
+    void *distances;      /**< negative inside (-0 on the surface); float or double [Size: value_count] [Units: world] */
+    uint32_t *triangles;  /**< the closest triangle, or NULL [Size: value_count] */
+    uint8_t *features;    /**< where on it, as in bvx_closest_point, or NULL [Size: value_count] */
+    int32_t value_type;   /**< BVX_F32 or BVX_F64 */
+    int32_t sign;         /**< BVX_SIGN_... that decided */
+    double half_width;    /**< of the band; infinity: every centre has a value [Units: world] */
+    uint64_t reserved[4];
+} bvx_field;
+
+/** Return what the library allocated and zero the struct. */
+BVX_API void bvx_field_free(bvx_context *context, bvx_field *field);
+
+typedef struct bvx_field_options {
+    size_t struct_size;
+    double half_width;   /**< of the band, Euclidean [Units: largest spacings] [Limit: > 0; infinity: all centres] [Default: 3] */
+    int32_t sign;        /**< BVX_SIGN_... [Default: BVX_SIGN_AUTO] */
+    int32_t value_type;  /**< BVX_F32 (spacings of 2^-100 to 2^100) or BVX_F64 [Default: BVX_F32] */
+    bvx_window window;   /**< [Default: all zero, the whole lattice] */
+    int32_t no_vectors;  /**< 1: vectors stay NULL [Default: 0] */
+    int32_t features;    /**< 1: fill triangles and features [Default: 0] */
+    uint64_t reserved[2];
+} bvx_field_options;
+
+BVX_API void bvx_field_options_init(bvx_field_options *options, size_t size);
+
+/**
+ * Measure the distance from the centres of voxels to a mesh.
+ *
+ * The closest point is that of the least (distance squared, triangle number) by one stated evaluation in doubles, so the bytes
+ * depend on nothing but mesh and lattice. A window holds the values of the whole there.
+ *
+ * EXACT, WINDING, VOTE  field->inside is the solid by the rule at the same centres, bit for bit.
+ * NORMAL         the side of the plane of the closest triangle. Where an edge or a corner is closest, the triangle of least number
+ *                decides and may be wrong.
+ * PSEUDONORMAL   the side of the closest feature: a triangle's normal, the sum of the normals at an edge, their sum weighted by
+ *                angles at a vertex; vertices at equal positions are one, triangles without area count for nothing.
+ * Both take triangles as counter-clockwise seen from outside, and count a centre on a face as solids do. On closed meshes all but
+ * NORMAL agree, up to the lattice's fixed point; beyond the rim of a hole PSEUDONORMAL goes on straight.
+ *
+ * mesh   [Limit: (2^32 - 1) / 3 triangles for AUTO and PSEUDONORMAL]
+ * field  out, zeroed; bvx_field_free takes it back
+ *
+ * Returns BVX_ERR_ARGUMENT (also a field that holds arrays), BVX_ERR_EMPTY (no triangle, or none of area), BVX_ERR_RANGE (index or
+ * coordinate, with its number; for EXACT, WINDING and VOTE also what bvx_voxelize_solid finds too far from the lattice; voxels or
+ * distances that floats do not hold: take BVX_F64), BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ * Memory: two grids, 8 bytes a row, 16 a value (f64: 32; without vectors 4 or 8), 5 a value for features; for the closest points
+ * about that of bvx_closest_create; the sign: AUTO as bvx_mesh_check; EXACT, WINDING, VOTE as bvx_voxelize_solid; NORMAL,
+ * PSEUDONORMAL 5 bytes a value, 3 grids and 4 bytes a run beyond the band, in windows and for bands of less than a voxel also
+ * the band of the whole lattice with 5 bytes a value; PSEUDONORMAL 32 bytes a vertex and 12 a triangle.
+ * Cost: O(triangles log triangles + values log triangles) and that of the sign; beyond the band O(words + runs), and where holes
+ * let both sides meet O(words) for each step of the way.
+ * Source: "Model repair by a vector distance field"; Baerentzen, Aanaes. Signed Distance Computation Using the Angle Weighted
+ * Pseudonormal. 2005.
+ */
+BVX_API bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                     const bvx_field_options *options, bvx_field *field);
+
+/** Number of the value at voxel (x,y,z) of the window, or UINT64_MAX where it has none. Cost: O(words of a row). */
+BVX_API uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z);
+
+/** What a dense field holds where the band has no value. */
+enum {
+    BVX_FAR_CONSTANT = 0,  /**< half_width, negative inside; vectors 0 */
+    BVX_FAR_PROPAGATED = 1 /**< from neighbours: the exact distance to one of the triangles that are closest to centres of the band */
+};
+
+/** Every centre of the window, x fastest, then y, then z. vectors 0: signed distances, 1: vectors, three floats each.
+ *  values [Size: size[0] * size[1] * size[2], times 3 for vectors]; what is beyond the largest float is infinite.
+ *  PROPAGATED needs the mesh and features in the field. Its distances are never below the true ones: closest points are handed on
+ *  through faces, and each centre is measured to the triangle of its own. Over with bands of three voxels: 0.01 to 0.07 % on average,
+ *  8 % at most, with bands of one voxel 0.02 to 0.2 and 23 %. Exact: a field whose half_width is infinity. It looks at the window's
+ *  band alone, so a window may hold larger numbers than the whole there.
+ *  Returns BVX_ERR_ARGUMENT (also a field whose numbers of rows are not those of its band), BVX_ERR_EMPTY (PROPAGATED: no value),
+ *  BVX_ERR_LATTICE, BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: none; PROPAGATED: 4 bytes a voxel, 12 a value.
+ *  Cost: O(voxels). Source: Danielsson. Euclidean Distance Mapping. 1980, re-measured. */
+BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh, int32_t far_rule,
+                                   int32_t vectors, float *values);
+
+/** Where the surface cuts a lattice edge whose ends A and B lie on either side. Always strictly inside the edge. */
+enum {
+    BVX_EDGE_VECTOR = 0, /**< where the line through the closest points of both ends passes nearest to the edge's line; where there
+                              is no such place, as SCALAR; where both have one closest point, its projection */
+    BVX_EDGE_SCALAR = 1, /**< where the signed distance, taken as linear, is 0 */
+    BVX_EDGE_MIDDLE = 2,
+    BVX_EDGE_PAPER = 3,  /**< VECTOR with the paper's clamps to the ends in place of SCALAR */
+    BVX_EDGE_TANGENT = 4 /**< where the planes cut the edge that touch the surface at the closest points: the one nearer to the
+                              inside where they make a ridge, nearer to the outside where they make a groove; where they tell
+                              neither, as VECTOR with the line kept between the closest points */
+};
+
+typedef struct bvx_field_surface_report {
+    uint64_t edges;    /**< crossings placed */
+    uint64_t scalar;   /**< of these: placed by the signed distance (PAPER: by a clamp) */
+    uint64_t middle;   /**< placed in the middle: no values at one of the ends */
+    uint64_t sharp_cells; /**< sharp: pieces of the surface in a cell that got a vertex of their own */
+    uint64_t sharp_taken_back; /**< sharp: pieces whose vertex would have turned a triangle over or might have crossed one */
+    uint64_t flipped_edges; /**< sharp: edges between such cells that were turned to join their vertices */
+    uint64_t lids;     /**< bvx_repair: placed by the winding number, since no surface is near: lids over holes */
+    uint64_t reserved[3];
+} bvx_field_surface_report;
+
+typedef struct bvx_field_surface_options {
+    size_t struct_size;
+    int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT, nearest to the mesh where measured] */
+    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t position_type; /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
+    int32_t sharp;         /**< 1: cells on sharp edges and corners get a vertex there, and cuts move to the closest triangles'
+                                planes where the field has triangles and the mesh is given [Default: 0] */
+    int32_t reserved;
+    double sharp_angle;    /**< sharp: facets that meet at less than this are smooth [Units: cosine of the angle between their
+                                normals] [Limit: -1..1] [Default: 0.8] */
+    bvx_field_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
+} bvx_field_surface_options;
+
+BVX_API void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t size);
+
+/**
+ * The surface between inside and outside centres of a field, by marching cubes with vertices where the field has the surface.
+ *
+ * Closed, outwards, edge- and vertex-manifold, without crossing triangles, for every field; order as in bvx_extract_surface
+ * (sharp: vertices of cells come after those of edges, in order of their cells). Beyond the window counts as outside.
+ * mesh  the mesh that the field was measured from; looked at for sharp alone, with field->triangles, which it needs to say what
+ *       facets are; without either sharp goes by the vectors, which is nearly as good
+ * Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field without inside, or without vectors where they are needed,
+ * or whose row_values are not those of its band; BVX_ERR_RANGE also for triangles that the mesh does not have, and for f64
+ * whose steps exceed 1/512 of a voxel; BVX_ERR_LATTICE (band and inside differ).
+ * Memory: the mesh and 16 bytes a row; sharp: the mesh once more, 32 bytes a vertex, 40 a sharp cell.
+ * Cost: O(words + crossings), one thread 20 ns a triangle; sharp 120 ns.
+ * Source: "Model repair by a vector distance field" 2.3, its formula mended; for sharp Kobbelt et al. Feature Sensitive Surface
+ * Extraction from Volume Data. 2001.
+ */
+BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
+                                             const bvx_field_surface_options *options, bvx_mesh *surface);
+
 /* ---- Levels of detail -------------------------------------------------------------------------------------- */
 
 enum {
@@ -1132,6 +1293,59 @@ BVX_API void bvx_slice_options_init(bvx_slice_options *options, size_t size);
  *  cut, and 100 bytes a triangle. Cost: O(triangles log triangles + points log points). */
 BVX_API bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_slice_options *options,
                                   bvx_sections *sections);
+/* ---- Repair -------------------------------------------------------------------------------------------------- */
+
+typedef struct bvx_repair_report {
+    bvx_certificate before;      /**< of the input, vertices at equal positions taken as one */
+    bvx_certificate after;       /**< of the result */
+    bvx_lattice lattice;         /**< that the result was made on */
+    int32_t sign;                /**< BVX_SIGN_... that decided */
+    int32_t shelled;             /**< 1: open sheets became shells */
+    uint64_t holes;              /**< loops of open edges in the input */
+    double hole_length;          /**< of all of them [Units: world] */
+    double longest_hole;         /**< [Units: world] */
+    uint64_t sheet_edges;        /**< crossings of the result far from the input's surface: the sheets over holes */
+    uint64_t shelled_triangles;  /**< of the input, that became shells */
+    uint64_t overlaps;           /**< voxels in more than one turn of the surface: overlapping parts */
+    uint64_t parts_kept, parts_dropped;       /**< pieces of the solid */
+    uint64_t cavities_kept, cavities_dropped;
+    uint64_t searched;           /**< target_triangles: resolutions that the search tried */
+    bvx_distance_report distance; /**< measure 1: a is the input, b the result */
+    double mean_off_caps, max_off_caps; /**< measure 1: from the result to the input, without the sheets over holes [Units: world] */
+    uint64_t reserved[8];
+} bvx_repair_report;
+
+typedef struct bvx_repair_options {
+    size_t struct_size;
+    const bvx_lattice *lattice;  /**< to work on, [Default: NULL, fitted by resolution with 2 voxels of padding] */
+    int32_t resolution;          /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256] */
+    int32_t sign;                /**< BVX_SIGN_... but NONE [Default: BVX_SIGN_AUTO: WINDING, or VOTE where triangles are flipped] */
+    int32_t interpolation;       /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
+    int32_t face_rule;           /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t sharp;               /**< as for bvx_extract_field_surface [Default: 0] */
+    int32_t position_type;       /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t local_frame;         /**< as for bvx_extract_field_surface [Default: 0] */
+    int32_t measure;             /**< 1: fill the report's distances, from measure_samples points a side [Default: 0] */
+    double shell;                /**< thickness that open sheets are given [Units: largest spacings] [Limit: 0: none are made; else
+                                      >= 1.5] [Default: 2] */
+    uint64_t least_part;         /**< pieces of fewer voxels are dropped [Default: 0] */
+    uint64_t least_cavity;       /**< cavities of fewer voxels are filled [Default: 0] */
+    uint64_t target_triangles;   /**< the largest resolution, up to resolution, that a bisection finds not to exceed it [Default: 0, none] */
+    uint64_t measure_samples;    /**< [Limit: 1..2^31-1] [Default: 100000] */
+    bvx_repair_report *report;   /**< receives what was found and done when not NULL [Default: NULL] */
+    uint64_t reserved[2];
+} bvx_repair_options;
+
+BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
+
+/**
+ * Make a closed, manifold, oriented mesh without crossing triangles from any mesh.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area; nothing is left: no inside and no shells asked for, or all parts
+ * below least_part), BVX_ERR_RANGE, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ * Source: "Model repair by a vector distance field", with its formula mended.
+ */
+BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired);
 
 /* ==== Second section: formats and pictures ================================================================== */
 
@@ -1221,6 +1435,19 @@ BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree
  *  Returns BVX_ERR_FORMAT (byte, and why), BVX_ERR_UNSUPPORTED (a newer version), BVX_ERR_ARGUMENT, BVX_ERR_MEMORY,
  *  BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the tree. Cost: O(bytes). */
 BVX_API bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree);
+/** Write a field, dense: signed distances (vectors 0) or vectors (1) in its own type of numbers; beyond the band half_width,
+ *  negative inside, or 0 0 0. The sign bit is that of the field's inside everywhere.
+ *
+ *  BVX_FORMAT_NPY   f4 or f8, axes [x,y,z] or [x,y,z,3], Fortran order: all x of vectors, then all y, then all z; no lattice: see
+ *                   bvx_write_lattice
+ *  BVX_FORMAT_NRRD  float or double, raw; vectors along a first axis of 3; "space origin" is the centre of the first voxel
+ *  BVX_FORMAT_VTI   point data "distance" or "vector" at the centres, raw appended; Origin is the first one
+ *
+ *  Returns BVX_ERR_ARGUMENT (also a field without vectors, or whose rows are not those of its band), BVX_ERR_LATTICE,
+ *  BVX_ERR_UNSUPPORTED (no format for fields), BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ *  Memory: the file. Cost: O(voxels). */
+BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t vectors, int32_t format,
+                                   bvx_buffer *file);
 
 /**
  * Read a grid from the bytes of a file.

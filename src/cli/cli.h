@@ -32,6 +32,7 @@ enum {
     CLI_FILL = 1 << 8,
     CLI_SECTIONS = 1 << 12,
     CLI_SLICE = 1 << 13,
+    CLI_REPAIR = 1 << 9,
     CLI_ALL = 0x7fffffff
 };
 
@@ -113,10 +114,17 @@ typedef struct cli_options {
     int32_t layers, caps, crossings, subdivide, label; /* sections */
     const char *block_model;
     cli_triple block;
+    int32_t sign;               /* BVX_SIGN_... */
+    int32_t interpolation;      /* BVX_EDGE_... */
+    int32_t sharp, measure;
+    double shell;               /* thickness in voxels */
+    int64_t least_part, least_cavity;
+    double half_width;          /* of a field's band; 0: no end */
+    int32_t vectors, value_type; /* value_type: BVX_F32, BVX_F64 */
 } cli_options;
 
-/* What voxelize sets: the solid, or 1 + BVX_SURFACE_... */
-enum { CLI_MODE_SOLID = 0, CLI_MODE_CONSERVATIVE = 1, CLI_MODE_THIN = 2, CLI_MODE_SAMPLED = 3 };
+/* What voxelize sets: the solid, or 1 + BVX_SURFACE_...; or distances in place of voxels. */
+enum { CLI_MODE_SOLID = 0, CLI_MODE_CONSERVATIVE = 1, CLI_MODE_THIN = 2, CLI_MODE_SAMPLED = 3, CLI_MODE_FIELD = 4 };
 
 /* What a value is, and the type of its field: */
 typedef enum cli_kind {
@@ -152,6 +160,8 @@ typedef struct cli_argument {
 
 /* The rules of --fill by BVX_FILL_..., and the modes of voxelize by CLI_MODE_...; NULL behind the last. */
 extern const char *const cli_fill_names[], *const cli_mode_names[];
+/* By BVX_SIGN_... */
+extern const char *const cli_sign_names[];
 /* Row i of the table, NULL behind the last; one name may stand in several rows for different commands. */
 const cli_argument *cli_argument_at(int i);
 /* Fill run->options; CLI_DONE or CLI_USAGE with a message. */
@@ -372,6 +382,16 @@ void cli_say_grid(cli_run *run, const bvx_grid *grid, uint64_t set, int placed);
 /* The place of a part (0: the low corner, 0.5: the centre) of a grid's first voxel. */
 void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
 
+/* Say what a format leaves out of a window's grid. */
+void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
+
+/* ---- field_output.c: voxelize --mode field ---- */
+
+/* Refuse options and names that the mode has no use for; choose the padding. */
+int cli_check_field(cli_run *run);
+/* Measure on the report's lattice, write, tell; ends the stage that the caller began. */
+int cli_voxelize_field(cli_run *run, const bvx_mesh_view *view, const bvx_window *window);
+
 /* ---- turntable.c ---- */
 
 /* A direction turned round an axis by i / n of a turn; 0 when it lies along the axis. */
@@ -478,7 +498,7 @@ const cli_command *cli_command_at(int i);
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
 extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill,
-    cli_sections, cli_slice;
+    cli_sections, cli_slice, cli_repair;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);

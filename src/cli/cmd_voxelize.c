@@ -1,4 +1,4 @@
-/* cmd_voxelize.c - bitvox voxelize: the solid or the surface of a mesh as a grid. */
+/* cmd_voxelize.c - bitvox voxelize: the solid or the surface of a mesh as a grid, or the distances to it. */
 #include "cli/cli.h"
 
 #include <inttypes.h>
@@ -42,6 +42,7 @@ static int check_voxelize_options(cli_run *run, bvx_window *window)
     int kind, status = cli_check_grid_name(run, run->options.output);
     if (status == CLI_DONE) status = cli_check_lattice(run);
     if (status == CLI_DONE) status = check_mode(run);
+    if (status == CLI_DONE) status = cli_check_field(run);
     if (status == CLI_DONE) status = cli_check_fill(run);
     if (status == CLI_DONE) status = check_second(run);
     if (status == CLI_DONE) status = cli_window_option(run, window);
@@ -142,6 +143,7 @@ static int voxelize_mesh(cli_run *run, voxel_job *job)
     cli_stage_begin(run, "voxelize");
     result = choose_lattice(run, job);
     if (result != CLI_DONE) return result;
+    if (run->options.mode == CLI_MODE_FIELD) return cli_voxelize_field(run, &job->view, &job->window);
     status = solid ? make_solid_voxels(run, job, &report) : make_surface(run, job, &surface);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
@@ -196,6 +198,8 @@ const cli_command cli_voxelize = {
     "Reads a mesh (.stl .obj .ply .off, also with .gz) and writes the voxels whose centres lie inside it,\n"
     "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a\n"
     "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
+    "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"
     "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.",
     "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128\n"
-    "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin", run_voxelize};
+    "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin\n"
+    "bitvox voxelize fixtures/knot.ply -o distance.vti --mode field --resolution 64", run_voxelize};

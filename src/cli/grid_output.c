@@ -39,7 +39,7 @@ int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, 
 }
 
 /* Formats of other programs know a box of voxels and nothing around it. */
-static void warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
+void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
 {
     int32_t const format = bvx_format_of_name(path);
     const int32_t *const d = grid->lattice.dims;
@@ -73,7 +73,7 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid)
     }
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
-    if (result == CLI_DONE) warn_of_window(run, path, grid);
+    if (result == CLI_DONE) cli_warn_of_window(run, path, grid);
     return result;
 }
 

@@ -32,8 +32,12 @@
 
 /* In the order of their numbers. */
 static const char *const method_names[] = {"edge-ratio", "coverage", NULL};
-const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "regions", "below", NULL};
-const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", NULL};
+const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding", NULL};
+const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", "field", NULL};
+const char *const cli_sign_names[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none", NULL};
+static const char *const repair_sign_names[] = {"auto", "exact", "", "", "winding", "vote", NULL};
+static const char *const edge_names[] = {"vector", "scalar", "middle", "paper", "tangent", NULL};
+static const char *const value_type_names[] = {"f32", "f64", NULL};
 static const char *const axis_names[] = {"x", "y", "z", NULL};
 static const char *const state_names[] = {"outside", "inside", "surface", NULL};
 static const char *const connectivity_names[] = {"6", "18", "26", NULL};
@@ -45,7 +49,7 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
 
 static const cli_argument arguments[] = {
-    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE, output,
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR, output,
               "where the result goes; the ending tells the format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis [8 x the finest level, less where memory is short]"),
@@ -59,7 +63,8 @@ static const cli_argument arguments[] = {
          "only voxels A..D-1, B..E-1, C..F-1 of a grid's file, or of the last\nlevel of an octree"),
     LIST("--window", "A,B,C,D,E,F", CLI_REFINE, window, 0, LARGEST_SIDE, 6, 6,
          "halve voxels to the last level only in A..D-1, B..E-1, C..F-1 of it"),
-    WHOLE("--padding", "N", CLI_VOXELIZE | CLI_LOD | CLI_FACES, padding, 0, 65536, "empty voxels added on every side [0]"),
+    WHOLE("--padding", "N", CLI_VOXELIZE, padding, 0, 65536, "empty voxels added on every side [0; --mode field: the half-width]"),
+    WHOLE("--padding", "N", CLI_LOD | CLI_FACES, padding, 0, 65536, "empty voxels added on every side [0]"),
     LIST("--levels", "A,B,C", CLI_LOD, levels, 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
          "samples along the longest axis of each level [64,32,16]"),
     LIST("--triangles", "A,B,C", CLI_LOD, triangles, 1, 4294967295.0, 1, CLI_MAX_LEVELS,
@@ -74,11 +79,20 @@ static const cli_argument arguments[] = {
     CHOICE("--mode", "MODE", CLI_VOXELIZE, mode, cli_mode_names, CLI_MODE_SOLID,
            "solid: what lies inside; conservative: all voxels that the surface\n"
            "touches; thin: those that keep a flood through faces out; sampled:\n"
-           "those of points less than a voxel apart [solid]"),
+           "those of points less than a voxel apart; field: distances from the\n"
+           "voxels' centres to the surface, negative inside [solid]"),
+    FROM_TO("--half-width", "W", CLI_VOXELIZE, half_width, 0, 1e9,
+            "with --mode field: how far from the surface centres have a distance,\nin voxels; 0: all have one [3]"),
+    CHOICE("--sign", "RULE", CLI_VOXELIZE, sign, cli_sign_names, BVX_SIGN_AUTO,
+           "with --mode field, what is inside. exact: as --fill parity; winding:\nholes and overlaps; vote: holes and flipped triangles; pseudonormal,\n"
+           "normal: the side of the closest place or triangle; none; auto: exact\nfor closed meshes, else vote where triangles are flipped, else winding\n[auto]"),
+    FLAG("--vectors", CLI_VOXELIZE, vectors, "with --mode field: vectors to the closest points, not distances"),
+    CHOICE("--value-type", "TYPE", CLI_VOXELIZE, value_type, value_type_names, BVX_F32, "with --mode field: f32 or f64 [f32]"),
     CHOICE("--fill", "RULE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, fill, cli_fill_names, BVX_FILL_PARITY,
            "parity: nested shells are cavities; nonzero: overlapping and\ninverted shells are one solid; vote: what rows along three axes agree\n"
            "on, else all directions, for meshes with holes; flood: what a flood\nfrom outside cannot reach, cavities included; regions: what the\n"
-           "surface parts is inside or outside as a whole; below: all under a terrain [parity]"),
+           "surface parts is inside or outside as a whole; below: all under a terrain;\n"
+           "winding: more than half a turn, for holes in overlapping parts [parity]"),
     WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, close_gaps, 0, 65535,
           "with --fill flood: gaps of up to N voxels hold the flood [0]"),
     FLAG("--add-shell", CLI_VOXELIZE | CLI_FILL, add_shell, "set all voxels of the surface too"),
@@ -116,6 +130,19 @@ static const cli_argument arguments[] = {
     TRIPLE("--block", "X,Y,Z", CLI_SECTIONS, block, "sides of a block, with --block-model"),
     CHOICE("--axis", "AXIS", CLI_SLICE, up_axis, axis_names, 1, "planes lie across x, y or z [z]"),
     BETWEEN("--spacing", "S", CLI_SLICE, spacing, 0, 1e300, "from plane to plane; the first lies half of it above the low end"),
+    LIST("--resolution", "N", CLI_REPAIR, resolution, 1, 16777216.0, 1, 1, "voxels along the longest axis [256]"),
+    LIST("--triangles", "N", CLI_REPAIR, triangles, 1, 4294967295.0, 1, 1,
+         "most triangles: the largest resolution is taken that keeps to them,\nup to --resolution [all]"),
+    CHOICE("--sign", "RULE", CLI_REPAIR, sign, repair_sign_names, BVX_SIGN_AUTO,
+           "winding: holes and overlaps; vote: holes and flipped triangles;\nexact: nested shells are cavities; auto: vote where triangles are\nflipped, else winding [auto]"),
+    CHOICE("--interpolation", "HOW", CLI_REPAIR, interpolation, edge_names, BVX_EDGE_VECTOR,
+           "tangent: from the planes at the closest points; vector: from the line\nthrough them; scalar: from the signed distance; middle; paper: vector\nwith the paper's clamps [tangent]"),
+    FLAG("--sharp", CLI_REPAIR, sharp, "put vertices on sharp edges and corners"),
+    FROM_TO("--shell", "T", CLI_REPAIR, shell, 0, 1e6, "thickness of shells in voxels, from 1.5; 0: none are made [2]"),
+    LONG("--least-part", "N", CLI_REPAIR, least_part, 0, 1e15, "parts of fewer voxels are dropped [0]"),
+    LONG("--least-cavity", "N", CLI_REPAIR, least_cavity, 0, 1e15, "cavities of fewer voxels are filled [0]"),
+    FLAG("--measure", CLI_REPAIR, measure, "tell distances between input and result, and overlaps"),
+    FLAG("--carry", CLI_REPAIR, carry, "give the result the colours and texture coordinates of the nearest\npoints on the input"),
     FLAG("--carry", CLI_LOD, carry, "give each level the colours and texture coordinates of the nearest\npoints on the mesh"),
     LONG("--samples", "N", CLI_LOD | CLI_COMPARE, samples, 0, 2147483647, "points on each mesh for the distances, 0: none [20000]"),
     LIST("--seed", "X,Y,Z", CLI_FILL, seeds, 0, LARGEST_SIDE, 3, 63,

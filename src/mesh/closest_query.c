@@ -88,6 +88,13 @@ static void place_in_query_triangle(const double p[3], const double t[3][3], con
     found->feature = 0;
 }
 
+int32_t bvxi_closest_feature(const double p[3], const double t[3][3], const double q[3])
+{
+    bvx_closest_point found;
+    place_in_query_triangle(p, t, q, &found);
+    return found.feature;
+}
+
 /* ---- One point ---- */
 
 /* The power of two for a point: the tree's, or less where the point is too far away to be squared. */

@@ -18,4 +18,7 @@ void bvxi_closest_shut(bvx_context *ctx, bvx_closest *closest);
  * makes the search faster and changes nothing. */
 void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_t *hint, bvx_closest_point *found);
 
+/* Where on triangle t its closest point q to p lies, as in bvx_closest_point.feature. */
+int32_t bvxi_closest_feature(const double p[3], const double t[3][3], const double q[3]);
+
 #endif

@@ -174,7 +174,7 @@ static bvx_status check_choose_arguments(bvx_context *ctx, const bvx_refine_opti
 }
 
 /* The lattice of the resolution tells the extents, to a voxel; fitting it checks the mesh. */
-static bvx_status measure_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t resolution, choose_job *job)
+static bvx_status measure_choice(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t resolution, choose_job *job)
 {
     bvx_lattice fit;
     BVXI_TRY(bvx_lattice_fit(ctx, mesh, resolution, &fit));
@@ -194,7 +194,7 @@ bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, in
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (base == NULL) return bvxi_fail_null(context, choose_name, "base");
     BVXI_TRY(check_choose_arguments(context, options, &o));
-    BVXI_TRY(measure_mesh(context, mesh, resolution, &job));
+    BVXI_TRY(measure_choice(context, mesh, resolution, &job));
     levels = o.tolerance > 0 ? levels_for_tolerance(resolution) : levels_of_least_time(&job, resolution, &o.window);
     BVXI_TRY(bvx_lattice_fit(context, mesh, base_for(resolution, levels), &made));
     *base = made;
@@ -205,7 +205,7 @@ bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, in
 bvx_status bvxi_refine_estimate(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t resolution, double *touched)
 {
     choose_job job = {0};
-    BVXI_TRY(measure_mesh(ctx, mesh, resolution, &job));
+    BVXI_TRY(measure_choice(ctx, mesh, resolution, &job));
     *touched = touched_voxels(&job, resolution);
     return BVX_OK;
 }

@@ -1,7 +1,7 @@
 /* slab_fill.c - the surface between sections: every cell that it may cross, layer by layer, in the order of the grid. */
 #include "section/trace.h"
 
-typedef struct fill_work {
+typedef struct slab_fill_work {
     bvxi_stack *s;
     bvxi_field field;
     bvxi_trace trace;
@@ -12,7 +12,7 @@ typedef struct fill_work {
     uint32_t split;      /* the next subdivided cell */
     uint32_t top;        /* the list of the plane above */
     uint32_t map_top;    /* the map of the level above */
-} fill_work;
+} slab_fill_work;
 
 static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)
 {
@@ -21,7 +21,7 @@ static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)
 
 /* Cells of a row that the surface may cross: corners whose line is crossed, corners unlike each other where the field decides,
  * contours. */
-static uint64_t active_cells(const fill_work *w, int32_t j, int32_t i)
+static uint64_t active_cells(const slab_fill_work *w, int32_t j, int32_t i)
 {
     int32_t const words = w->s->words;
     size_t const low = (size_t)j * (size_t)words, high = low + (size_t)words;
@@ -39,7 +39,7 @@ static uint64_t active_cells(const fill_work *w, int32_t j, int32_t i)
 }
 
 /* Gather a grid cell's arcs. */
-static bvx_status gather_arcs(fill_work *w, uint32_t number)
+static bvx_status gather_arcs(slab_fill_work *w, uint32_t number)
 {
     bvxi_trace *const t = &w->trace;
     for (int k = 0; k < 2; k++) {
@@ -56,13 +56,13 @@ static bvx_status gather_arcs(fill_work *w, uint32_t number)
     return BVX_OK;
 }
 
-static int is_split(const fill_work *w, int32_t i, int32_t j)
+static int is_split(const slab_fill_work *w, int32_t i, int32_t j)
 {
     if (i < 0 || j < 0 || i >= w->s->size[0] || j >= w->s->size[1]) return 0;
     return (int)(w->split_bit[(size_t)j * (size_t)w->s->words + (size_t)(i >> 6)] >> (i & 63) & 1);
 }
 
-static void mark_split(fill_work *w, int set)
+static void mark_split(slab_fill_work *w, int set)
 {
     const bvxi_slab *const slab = w->field.slab;
     uint32_t const nx = (uint32_t)w->s->size[0];
@@ -74,7 +74,7 @@ static void mark_split(fill_work *w, int set)
     }
 }
 
-static bvx_status fill_cell(fill_work *w, int32_t i, int32_t j)
+static bvx_status fill_slab_cell(slab_fill_work *w, int32_t i, int32_t j)
 {
     bvxi_trace *const t = &w->trace;
     const bvxi_slab *const slab = w->field.slab;
@@ -92,7 +92,7 @@ static bvx_status fill_cell(fill_work *w, int32_t i, int32_t j)
                 t->arc[k] = slab->arc + leaf->arc[k];
                 t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? leaf->arc_count[k] : 0;
             }
-            BVXI_TRY(bvxi_trace_cell(t));
+            BVXI_TRY(bvxi_trace_slab_cell(t));
         }
         return BVX_OK;
     }
@@ -102,10 +102,10 @@ static bvx_status fill_cell(fill_work *w, int32_t i, int32_t j)
     t->beside_split = slab->split_count != 0 &&
                       (is_split(w, i - 1, j) || is_split(w, i + 1, j) || is_split(w, i, j - 1) || is_split(w, i, j + 1));
     BVXI_TRY(gather_arcs(w, t->number));
-    return bvxi_trace_cell(t);
+    return bvxi_trace_slab_cell(t);
 }
 
-static bvx_status fill_layer(fill_work *w)
+static bvx_status fill_layer(slab_fill_work *w)
 {
     bvxi_stack *const s = w->s;
     w->split = 0;
@@ -117,7 +117,7 @@ static bvx_status fill_layer(fill_work *w)
                     bits >>= 8;
                     i += 8;
                 }
-                if ((bits & 1) != 0) BVXI_TRY(fill_cell(w, i, j));
+                if ((bits & 1) != 0) BVXI_TRY(fill_slab_cell(w, i, j));
             }
         }
     return BVX_OK;
@@ -125,7 +125,7 @@ static bvx_status fill_layer(fill_work *w)
 
 /* ---- levels ---- */
 
-static void set_level(fill_work *w, bvxi_level *level, int32_t number)
+static void set_level(slab_fill_work *w, bvxi_level *level, int32_t number)
 {
     const bvxi_slab *const slab = w->field.slab;
     int const k = number == 0 ? 0 : number == w->field.layers ? 1 : -1;
@@ -141,7 +141,7 @@ static void set_level(fill_work *w, bvxi_level *level, int32_t number)
     else if (w->s->options.crossings == BVX_CROSSINGS_PAPER) level->arcs = &w->lists[k == 0 ? 1 - w->top : w->top];
 }
 
-static void touch_cells(fill_work *w, const bvxi_plane *p, int set)
+static void touch_cells(slab_fill_work *w, const bvxi_plane *p, int set)
 {
     uint32_t const nx = (uint32_t)w->s->size[0];
     for (uint32_t i = 0; i < p->arc_count; i++) {
@@ -152,7 +152,7 @@ static void touch_cells(fill_work *w, const bvxi_plane *p, int set)
     }
 }
 
-static bvx_status fill_slab(fill_work *w, bvxi_slab *slab)
+static bvx_status fill_slab(slab_fill_work *w, bvxi_slab *slab)
 {
     bvxi_trace *const t = &w->trace;
     if (w->lists[w->top].plane != slab->plane[0]) {
@@ -185,7 +185,7 @@ static bvx_status fill_slab(fill_work *w, bvxi_slab *slab)
 bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     uint64_t const bytes = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8;
-    fill_work w;
+    slab_fill_work w;
     bvx_status status;
     memset(&w, 0, sizeof w);
     w.s = s;

@@ -366,7 +366,7 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
 
 /* ---- the cell ---- */
 
-bvx_status bvxi_trace_cell(bvxi_trace *t)
+bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
     t->point_count = 0;

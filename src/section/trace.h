@@ -80,7 +80,7 @@ typedef struct bvxi_trace {
 
 void bvxi_trace_free(bvxi_trace *t);
 /* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
-bvx_status bvxi_trace_cell(bvxi_trace *t);
+bvx_status bvxi_trace_slab_cell(bvxi_trace *t);
 /* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
 bvx_status bvxi_trace_nodes(bvxi_trace *t, uint32_t corner[5]);
 /* A strip of a side between two nodes: its links. below, above: crossings (points) in order. */

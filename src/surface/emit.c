@@ -5,37 +5,13 @@
  * counter and whether it is the next crossing (tables.h). */
 #include "surface/cells.h"
 
-/* Vertices keep this far from an edge's ends, in edge lengths: two f32 steps at least (march.c), so no two meet. */
-#define EDGE_MARGIN (1.0 / 128.0)
-
 /* ---- positions ---- */
-
-static inline void put_position(const bvxi_march *m, uint64_t vertex, double x, double y, double z)
-{
-    if (m->options.position_type == BVX_F32) {
-        float *const p = (float *)m->mesh->positions + 3 * vertex;
-        p[0] = (float)x;
-        p[1] = (float)y;
-        p[2] = (float)z;
-    } else {
-        double *const p = (double *)m->mesh->positions + 3 * vertex;
-        p[0] = x;
-        p[1] = y;
-        p[2] = z;
-    }
-}
-
-/* World coordinate along an axis of a place between centres: index counts centres of the window. */
-static inline double place_along(const bvxi_march *m, int32_t axis, int32_t index, double ratio)
-{
-    return m->origin[axis] + ((double)(m->grid->low[axis] + index) + 0.5 + ratio) * m->spacing[axis];
-}
 
 /* One axis's vertices of a block, at the middle of their edges. Bits of x-edges lie between centres bit-1 and bit. */
 BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, const bvxi_cell_list *list,
                                      int32_t first, uint64_t vertex)
 {
-    double const y = place_along(m, 1, j, axis == 1 ? 0.5 : 0.0), z = place_along(m, 2, k, axis == 2 ? 0.5 : 0.0);
+    double const y = bvxi_place_along(m, 1, j, axis == 1 ? 0.5 : 0.0), z = bvxi_place_along(m, 2, k, axis == 2 ? 0.5 : 0.0);
     const double *const x = m->across[axis != 0] + (size_t)first * 64;
     if (m->options.position_type == BVX_F32) {
         float *p = (float *)m->mesh->positions + 3 * vertex;
@@ -46,7 +22,7 @@ BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t 
             p[2] = fz;
         }
     } else {
-        for (uint32_t i = 0; i < list->count; i++) put_position(m, vertex + i, x[list->at[i]], y, z);
+        for (uint32_t i = 0; i < list->count; i++) bvxi_put_position(m, vertex + i, x[list->at[i]], y, z);
     }
 }
 
@@ -56,10 +32,7 @@ static void emit_ratios(const bvxi_march *m, int32_t axis, int32_t j, int32_t k,
 {
     for (uint32_t n = 0; n < list->count; n++) {
         int32_t const i = first * 64 + list->at[n] - (axis == 0);
-        double t = m->ratio(m->ratio_user, axis, i, j, k);
-        t = t < EDGE_MARGIN ? EDGE_MARGIN : t > 1.0 - EDGE_MARGIN ? 1.0 - EDGE_MARGIN : t;
-        put_position(m, vertex + n, place_along(m, 0, i, axis == 0 ? t : 0.0), place_along(m, 1, j, axis == 1 ? t : 0.0),
-                     place_along(m, 2, k, axis == 2 ? t : 0.0));
+        bvxi_put_crossing(m, vertex + n, axis, i, j, k, bvxi_keep_off_ends(m->ratio(m->ratio_user, axis, i, j, k)));
     }
 }
 

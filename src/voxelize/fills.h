@@ -11,6 +11,10 @@ enum { BVXI_MOST_GAP = 65535 };
 bvx_status bvxi_vote(bvx_context *ctx, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure, double from,
                      double to, bvx_solid_report *report);
 
+/* winding.c: solid's words become the centres whose generalized winding number is beyond a half. Local. Scratch: as for the rule
+ * nonzero, holes.h and, where there are holes, sheet.h and turns.h. */
+bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *solid, double from, double to, bvx_solid_report *report);
+
 /* regions.c, flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one. solid and surface
  * cover the whole lattice. */
 bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure, bvx_grid *solid,

@@ -1,8 +1,7 @@
 /* holes.c - the open edges of a snapped mesh, joined to loops.
  *
- * Edges are put into buckets by their lower corner and sorted there, so that those of one edge lie side by side; an edge that an
- * odd number of triangles have is open. At every vertex an even number of open edges meet (a triangle brings two, or none, to
- * each), so a walk along unused ones ends where it began, and parts into loops.
+ * At every vertex an even number of open edges meet (a triangle brings two, or none, to each), so a walk along unused ones ends
+ * where it began, and parts into loops.
  * Guarantee: corners are numbered by their places, edges by their corners, and the walk takes the least number that the
  * triangles' own direction allows: the loops follow from the geometry alone. */
 #include "voxelize/holes.h"
@@ -10,34 +9,7 @@
 enum { HOLE_INSERTION_LIMIT = 32 };
 #define HOLE_NONE UINT32_MAX
 
-/* ---- Corners at one place ---- */
-
-static uint64_t hash_of_place(const int32_t q[3])
-{
-    uint64_t h = (uint32_t)q[0] | (uint64_t)(uint32_t)q[1] << 32;
-    h *= UINT64_C(0x9e3779b97f4a7c15);
-    h = (h ^ h >> 32 ^ (uint32_t)q[2]) * UINT64_C(0xbf58476d1ce4e5b9);
-    return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
-}
-
-/* same[v]: the least vertex at v's place. */
-static bvx_status weld_places(bvx_context *ctx, const bvxi_snapped *s, uint32_t *same)
-{
-    uint64_t const size = s->vertex_count + s->vertex_count / 2 + 1;
-    uint32_t *table; /* a vertex number plus 1, or 0 */
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * 4, "the vertices' places", &table));
-    for (uint64_t v = 0; v < s->vertex_count; v++) {
-        const int32_t *const q = s->xyz + 3 * v;
-        uint64_t slot = hash_of_place(q) * size >> 31;
-        while (table[slot] != 0 && memcmp(s->xyz + 3 * (uint64_t)(table[slot] - 1), q, 12) != 0) slot = slot + 1 == size ? 0 : slot + 1;
-        if (table[slot] == 0) table[slot] = (uint32_t)v + 1;
-        same[v] = table[slot] - 1;
-    }
-    bvxi_free(ctx, table, size * 4);
-    return BVX_OK;
-}
-
-/* ---- Open edges ---- */
+/* ---- Edges in order ---- */
 
 static void sift_edges(uint64_t *e, uint64_t at, uint64_t n)
 {
@@ -68,72 +40,6 @@ static void sort_edges(uint64_t *e, uint64_t n)
         e[end] = top;
         sift_edges(e, 0, end);
     }
-}
-
-/* Corners a, b, c of triangle t as vertices of different places; 0 when two of them are one. */
-static int hole_corners(const bvx_mesh_view *view, const uint32_t *same, uint64_t t, uint32_t c[3])
-{
-    bvxi_view_triangle(view, t, c);
-    for (int i = 0; i < 3; i++) c[i] = same[c[i]];
-    return c[0] != c[1] && c[1] != c[2] && c[2] != c[0];
-}
-
-/* In the bucket of its lower corner an edge is higher << 1 | runs downwards. end: [Size: vertex_count], zero before. */
-static void bucket_edges(const bvx_mesh_view *view, const uint32_t *same, uint64_t *end, uint64_t *entry)
-{
-    uint64_t sum = 0;
-    uint32_t c[3];
-    for (int fill = 0; fill < 2; fill++) {
-        for (uint64_t t = 0; t < view->triangle_count; t++) {
-            if (!hole_corners(view, same, t, c)) continue;
-            for (int i = 0; i < 3; i++) {
-                uint32_t const a = c[i], b = c[i == 2 ? 0 : i + 1];
-                uint64_t *const at = &end[a < b ? a : b];
-                if (fill) entry[*at] = a < b ? (uint64_t)b << 1 : (uint64_t)a << 1 | 1;
-                ++*at;
-            }
-        }
-        for (uint64_t v = 0; v < view->vertex_count && !fill; v++) {
-            uint64_t const n = end[v];
-            end[v] = sum;
-            sum += n;
-        }
-    }
-}
-
-/* The open edges, from << 32 | to, in the direction that most of their triangles have. to: NULL counts only. */
-static uint64_t list_open_edges(const uint64_t *end, uint64_t vertices, uint64_t *entry, uint64_t *to)
-{
-    uint64_t count = 0, begin = 0;
-    for (uint64_t v = 0; v < vertices; begin = end[v++]) {
-        if (to == NULL) sort_edges(entry + begin, end[v] - begin);
-        for (uint64_t i = begin, next; i < end[v]; i = next) {
-            uint64_t const higher = entry[i] >> 1;
-            uint64_t down = 0;
-            for (next = i; next < end[v] && entry[next] >> 1 == higher; next++) down += entry[next] & 1;
-            if (((next - i) & 1) == 0) continue;
-            if (to != NULL) to[count] = 2 * down > next - i ? higher << 32 | v : v << 32 | higher;
-            count++;
-        }
-    }
-    return count;
-}
-
-static bvx_status find_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same, uint64_t **edges, uint64_t *count)
-{
-    uint64_t const bytes = view->vertex_count * 8, entry_bytes = view->triangle_count * 24;
-    uint64_t *end = NULL, *entry = NULL;
-    bvx_status status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices' edges", &end);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, entry_bytes, "the mesh's edges", &entry);
-    if (status == BVX_OK) {
-        bucket_edges(view, same, end, entry);
-        *count = list_open_edges(end, view->vertex_count, entry, NULL);
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, *count * 8, "the open edges", edges);
-    }
-    if (status == BVX_OK) list_open_edges(end, view->vertex_count, entry, *edges);
-    bvxi_free(ctx, entry, entry_bytes);
-    bvxi_free(ctx, end, bytes);
-    return status;
 }
 
 /* ---- Corners numbered by their places ---- */
@@ -280,35 +186,41 @@ void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes)
     memset(holes, 0, sizeof *holes);
 }
 
-/* same is used up. */
-static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count, uint32_t *same, bvxi_holes *holes)
+static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count, bvxi_holes *holes)
 {
-    uint32_t *place = NULL;
+    uint64_t const bytes = s->vertex_count * 4;
+    uint32_t *place = NULL, *number = NULL;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the open edges' corners", &place);
     holes->room = count;
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number);
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex);
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end);
-    if (status == BVX_OK) status = join_loops(ctx, edges, count, place, number_places(s, edges, count, same, place), holes);
+    if (status == BVX_OK) status = join_loops(ctx, edges, count, place, number_places(s, edges, count, number, place), holes);
+    bvxi_free(ctx, number, bytes);
     bvxi_free(ctx, place, count * 8);
+    return status;
+}
+
+static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, int odd_once, bvxi_holes *holes)
+{
+    uint64_t *edges = NULL, count = 0;
+    bvx_status status;
+    memset(holes, 0, sizeof *holes);
+    status = bvxi_open_edges(ctx, view, snapped, odd_once, &edges, &count);
+    if (status == BVX_OK && count >= HOLE_NONE)
+        status = bvxi_fail(ctx, BVX_ERR_RANGE, "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
+    if (status == BVX_OK && count > 0) status = make_loops(ctx, snapped, edges, count, holes);
+    bvxi_free(ctx, edges, count * 8);
+    if (status != BVX_OK) bvxi_holes_close(ctx, holes);
     return status;
 }
 
 bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, bvxi_holes *holes)
 {
-    uint64_t const bytes = snapped->vertex_count * 4;
-    uint32_t *same = NULL;
-    uint64_t *edges = NULL;
-    uint64_t count = 0;
-    bvx_status status;
-    memset(holes, 0, sizeof *holes);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same));
-    status = weld_places(ctx, snapped, same);
-    if (status == BVX_OK) status = find_open_edges(ctx, view, same, &edges, &count);
-    if (status == BVX_OK && count >= HOLE_NONE)
-        status = bvxi_fail(ctx, BVX_ERR_RANGE, "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
-    if (status == BVX_OK) status = make_loops(ctx, snapped, edges, count, same, holes);
-    bvxi_free(ctx, edges, count * 8);
-    bvxi_free(ctx, same, bytes);
-    if (status != BVX_OK) bvxi_holes_close(ctx, holes);
-    return status;
+    return open_holes(ctx, view, snapped, 1, holes);
+}
+
+bvx_status bvxi_holes_open_signed(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, bvxi_holes *holes)
+{
+    return open_holes(ctx, view, snapped, 0, holes);
 }

@@ -15,9 +15,15 @@ typedef struct bvxi_holes {
 
 /* Find the edges that an odd number of triangles have, corners at equal snapped places taken as one, and join them to loops.
  * Triangles without area among them cancel out. The loops depend on the snapped triangles alone, not on any order of theirs.
- * No loop: every row of centres meets the mesh an even number of times. Scratch: 10 bytes a vertex while the vertices are
- * welded, then 12, and 24 a triangle; about 60 bytes an open edge. */
+ * No loop: every row of centres meets the mesh an even number of times. snapped: of axis 0; corners are below its vertices.
+ * Scratch: 16 bytes a vertex; then 8 and about 150 an open edge; where most corners have numbers of their own 30 a vertex. */
 bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, bvxi_holes *holes);
+/* The same, but for triangles' directions: an edge is open as many times as more triangles run along it one way than the other,
+ * and the loops run that way. No loop: every row meets the mesh as often entering as leaving. */
+bvx_status bvxi_holes_open_signed(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, bvxi_holes *holes);
+/* hole_edges.c: the edges that triangles run along more often one way than the other, by vertices' numbers, one for all at a place:
+ * from << 32 | to, that many times, or with odd_once once where that is odd. The caller frees *edges, [Size: *count * 8] bytes. */
+bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, int odd_once, uint64_t **edges, uint64_t *count);
 void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes);
 
 /* The nodes of a sheet over points i .. j, from large to small, without recursion: push the whole, then take until 0. */

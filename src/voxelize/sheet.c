@@ -6,9 +6,9 @@
  *
  * A part of the sheet that is far off counts as a dipole at the middle of its ball. With area A, radius r, distance d the error
  * is below A r / (2 pi (d - r)^3) turns; parts are opened until the sum of that leaves no doubt, at last all of them.
- * Moving along by t the angle changes, but for whole turns where the sheet is crossed, by no more than t times the sum of
- * length / (4 pi (d - t)^2) over the edge of its near part and of A / (2 pi (d - r - t)^3) over its far parts: so far a row can be
- * passed without asking again.
+ * Moving along, the angle changes, but for whole turns where the sheet is crossed, as the field of a current along its edge (Biot
+ * and Savart): its gradient is a sum over the edges of what was opened and over the dipoles. Within a reach t of the place it
+ * stays linear but for t^2 length / (4 pi (d - t)^3) for each edge, and for each dipole 3 t^2 A / (4 pi (d - r - t)^4) and its error.
  * On which side of a triangle a centre lies is decided in integers, ties as everywhere (cover.h), as crossings are. */
 #include "voxelize/sheet.h"
 #include "core/angle.h"
@@ -16,18 +16,21 @@
 #include <math.h>
 
 /* Parts are opened until each is off by less; the last opens all. */
-static const double sheet_near[3] = {1e-2, 1e-4, -1};
+static const double sheet_near[3] = {1e-3, 5e-5, -1};
 #define SHEET_ROUNDING 1e-8
+#define SHEET_NO_BOUND 1e30
 
 /* What one question gathers. Angles of near triangles are summed as a product of complex numbers and the times that it went
  * round, those of far parts as they are. */
 typedef struct sheet_sum {
+    double at[3];
     double re, im; /* of the angle of half a turn a turn */
     int32_t rounds, factors;
     double turns, error;
-    double change; /* turns a unit of way, at the place itself */
-    double least2; /* square of the least d */
     double near;   /* parts are opened until their error is below */
+    double reach;  /* 0: the place alone, nothing below is gathered */
+    double gradient[3], rest, bend, edge_rest;
+    bvxi_sheet_look *look; /* gets near edges and triangles */
 } sheet_sum;
 
 /* Add the angle of (re, im), which lies between -pi and pi; up: it counts as positive, also where im is 0. */
@@ -53,108 +56,176 @@ static inline void turn_by(sheet_sum *sum, double re, double im, int up)
     }
 }
 
-/* Add one triangle: half its solid angle, positive on the side away from its normal, as it is for the faces of a closed body
- * from inside. */
-static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const int64_t p[3], const double at[3], sheet_sum *sum)
+static inline void cross_seen(const double a[3], const double b[3], double n[3])
 {
-    double v[3][3], l[3], det, den, most;
-    int up;
-    for (int i = 0; i < 3; i++) {
-        const double *const q = bvxi_sheet_point(s, corner[i]);
-        for (int a = 0; a < 3; a++) v[i][a] = q[a] - at[a];
-        l[i] = bvxi_sheet_length(v[i]);
+    n[0] = a[1] * b[2] - a[2] * b[1];
+    n[1] = a[2] * b[0] - a[0] * b[2];
+    n[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static inline double dot_seen(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void see_point(const bvxi_sheet *s, uint64_t i, const sheet_sum *sum, bvxi_seen_point *p)
+{
+    const double *const q = bvxi_sheet_point(s, i);
+    for (int a = 0; a < 3; a++) p->v[a] = q[a] - sum->at[a];
+    p->length = bvxi_sheet_length(p->v);
+}
+
+/* The triangle of node n goes to the look unless it lies further off than reach. */
+static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *const p[3], double det, const sheet_sum *sum)
+{
+    bvxi_sheet_look *const look = sum->look;
+    double const limit = n->radius + sum->reach;
+    double r2 = 0, u[3], w[3], normal[3];
+    for (int a = 0; a < 3; a++) {
+        double const r = n->centre[a] - sum->at[a];
+        r2 += r * r;
+        u[a] = p[1]->v[a] - p[0]->v[a];
+        w[a] = p[2]->v[a] - p[0]->v[a];
     }
-    det = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) + v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
-          v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-    den = l[0] * l[1] * l[2] + (v[0][0] * v[1][0] + v[0][1] * v[1][1] + v[0][2] * v[1][2]) * l[2] +
-          (v[1][0] * v[2][0] + v[1][1] * v[2][1] + v[1][2] * v[2][2]) * l[0] +
-          (v[2][0] * v[0][0] + v[2][1] * v[0][1] + v[2][2] * v[0][2]) * l[1];
-    most = 1e-10 * l[0] * l[1] * l[2];
-    up = det > 0;
+    if (r2 > limit * limit) return;
+    cross_seen(u, w, normal);
+    if (det * det > sum->reach * sum->reach * dot_seen(normal, normal) * (1 + 1e-6) + 1e-20) return;
+    if (look->triangles < BVXI_LOOK_TRIANGLES) {
+        bvxi_near_triangle *const t = &look->triangle[look->triangles];
+        for (int i = 0; i < 3; i++) t->p[i] = *p[i];
+        memcpy(t->n, normal, sizeof normal);
+        t->det = det;
+    }
+    if (look->triangles <= BVXI_LOOK_TRIANGLES) look->triangles++;
+}
+
+/* Add triangle i, m, j: half its solid angle, positive on the side away from its normal, as it is for the faces of a closed body
+ * from inside. */
+static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const bvxi_seen_point *const q[3], const int64_t p[3], sheet_sum *sum)
+{
+    const double *const a = q[0]->v, *const b = q[1]->v, *const c = q[2]->v;
+    double const la = q[0]->length, lb = q[1]->length, lc = q[2]->length, most = 1e-10 * la * lb * lc;
+    double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    double den = la * lb * lc + dot_seen(a, b) * lc + dot_seen(b, c) * la + dot_seen(c, a) * lb;
+    int up = det > 0;
+    if (sum->reach > 0) keep_near_triangle(&s->node[corner[1]], q, det, sum);
     if (BVXI_UNLIKELY(det <= most && det >= -most && den <= most)) {
-        const int32_t *q[3];
-        for (int i = 0; i < 3; i++) q[i] = s->xyz + 3 * (uint64_t)s->holes->vertex[corner[i]];
-        up = bvxi_touching_angle(q, p, (const double(*)[3])v, det, &den, &det);
+        const int32_t *fixed[3];
+        double v[3][3];
+        for (int k = 0; k < 3; k++) {
+            fixed[k] = s->xyz + 3 * (uint64_t)s->holes->vertex[corner[k]];
+            memcpy(v[k], q[k]->v, sizeof v[k]);
+        }
+        up = bvxi_touching_angle(fixed, p, (const double(*)[3])v, det, &den, &det);
     }
     turn_by(sum, den, det, up);
 }
 
-/* The segment from point i to j is part of the edge of what was opened. */
-static void add_edge_change(const bvxi_sheet *s, uint64_t i, uint64_t j, const double at[3], sheet_sum *sum)
+/* The segment from a to b is part of the edge of what was opened. */
+static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb, sheet_sum *sum)
 {
-    const double *const a = bvxi_sheet_point(s, i), *const b = bvxi_sheet_point(s, j);
-    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    double w[3] = {at[0] - a[0], at[1] - a[1], at[2] - a[2]};
-    double const uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-    double t = u[0] * w[0] + u[1] * w[1] + u[2] * w[2], d2;
-    t = t <= 0 || uu == 0 ? 0 : t >= uu ? 1 : t / uu;
-    for (int k = 0; k < 3; k++) w[k] -= t * u[k];
-    d2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-    if (d2 < sum->least2) sum->least2 = d2;
-    if (d2 > 0) sum->change += sqrt(uu) / (4 * BVXI_PI * d2);
+    const double *const a = pa->v, *const b = pb->v;
+    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, la = pa->length, lb = pb->length;
+    double const ab = dot_seen(a, b), uu = dot_seen(u, u), length = sqrt(uu);
+    double c[3], cc, d = 0.5 * (la + lb - length) - sum->reach, rest, factor, *gradient = sum->gradient;
+    if (uu == 0) return;
+    cross_seen(a, b, c);
+    cc = dot_seen(c, c);
+    if (d < 2 * sum->reach) d = (dot_seen(a, u) >= 0 ? la : dot_seen(b, u) <= 0 ? lb : sqrt(cc) / length) - sum->reach; /* exactly */
+    rest = d <= 1e-3 * sum->reach ? SHEET_NO_BOUND : sum->reach * sum->reach * length / (4 * BVXI_PI * d * d * d);
+    if (rest > sum->edge_rest && sum->look->edges < BVXI_LOOK_EDGES) {
+        bvxi_near_edge *const e = &sum->look->edge[sum->look->edges++];
+        e->a = *pa;
+        e->b = *pb;
+        memcpy(e->n, c, sizeof c);
+        e->ab = ab;
+        sum->look->edge_bend += rest;
+        gradient = sum->look->edge_gradient;
+    } else {
+        sum->bend += rest;
+    }
+    if (rest >= SHEET_NO_BOUND) return;
+    /* (a x b) (|a| + |b|) / (|a| |b| (|a| |b| + a b)), without cancelling where a and b point away from each other */
+    factor = ab >= 0 ? (la + lb) / (4 * BVXI_PI * la * lb * (la * lb + ab)) : (la + lb) * (la * lb - ab) / (4 * BVXI_PI * la * lb * cc);
+    for (int k = 0; k < 3; k++) gradient[k] += factor * c[k];
 }
 
-/* 1 when a part was far enough to be taken as a whole, whole loops or points i .. j of one. Its change: that of its own edge,
- * which leaves the rest of the sheet without one there; or that of all of it, and the rest has an edge from i to j, unless there
- * is no rest. */
-static int add_far_part(const bvxi_sheet_node *n, int whole, const double at[3], sheet_sum *sum)
+/* 1 when a part was far enough to be taken as a whole. */
+static int add_far_part(const bvxi_sheet_node *n, sheet_sum *sum)
 {
-    double const r[3] = {n->centre[0] - at[0], n->centre[1] - at[1], n->centre[2] - at[2]};
-    double const d2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], d = sqrt(d2), gap = d - n->radius;
-    double error, by_edge, by_area;
-    if (gap <= n->radius) return 0;
+    double const r[3] = {n->centre[0] - sum->at[0], n->centre[1] - sum->at[1], n->centre[2] - sum->at[2]};
+    double const d2 = dot_seen(r, r), least = n->radius > 2 * sum->reach ? 2 * n->radius : n->radius + 2 * sum->reach;
+    double error, rest = 0, bend = 0, factor, d, gap, flux;
+    if (d2 <= least * least) return 0;
+    d = sqrt(d2);
+    gap = d - n->radius;
+    if (n->area * n->radius > sum->near * (2 * BVXI_PI) * (gap * gap * gap)) return 0;
     error = n->area * n->radius / (2 * BVXI_PI * gap * gap * gap);
-    if (error > sum->near) return 0;
+    if (sum->reach > 0) { /* its error there, and what the dipole bends */
+        double const left = gap - sum->reach;
+        rest = n->area * n->radius / (2 * BVXI_PI * left * left * left);
+        bend = 3 * sum->reach * sum->reach * n->area / (4 * BVXI_PI * left * left * left * left);
+        if (rest + bend > sum->near) return 0;
+    }
+    factor = 1 / (4 * BVXI_PI * d2 * d);
+    flux = dot_seen(r, n->normal);
     sum->error += error;
-    sum->turns += (r[0] * n->normal[0] + r[1] * n->normal[1] + r[2] * n->normal[2]) / (4 * BVXI_PI * d2 * d);
-    by_edge = n->length / (4 * BVXI_PI * gap * gap);
-    by_area = n->area / (2 * BVXI_PI * gap * gap * gap);
-    if (!whole) by_area += n->chord / (4 * BVXI_PI * gap * gap);
-    sum->change += !whole && by_edge < by_area ? by_edge : by_area;
-    if (gap * gap < sum->least2) sum->least2 = gap * gap;
+    sum->turns += flux * factor;
+    if (sum->reach > 0) {
+        sum->rest += rest;
+        sum->bend += bend;
+        for (int k = 0; k < 3; k++) sum->gradient[k] += (3 * flux / d2 * r[k] - n->normal[k]) * factor;
+    }
     return 1;
 }
 
-static void add_loop(const bvxi_sheet *s, uint64_t begin, uint64_t last, const int64_t p[3], const double at[3], sheet_sum *sum)
+/* From left to right: the part in hand begins at point i, seen as a, and ends at the stack's top. */
+static void add_loop(const bvxi_sheet *s, uint64_t begin, uint64_t last, const int64_t p[3], sheet_sum *sum)
 {
-    bvxi_sheet_walk w;
-    uint64_t i, j;
-    add_edge_change(s, last, begin, at, sum);
-    w.count = 0;
-    bvxi_sheet_push(&w, begin, last);
-    while (bvxi_sheet_take(&w, &i, &j)) {
-        uint64_t const m = i + (j - i) / 2;
-        uint64_t const corner[3] = {i, m, j};
-        if (j - i < 2) {
-            add_edge_change(s, i, j, at, sum);
+    int const edges = sum->reach > 0;
+    uint64_t i = begin, end[40]; /* halved each time */
+    bvxi_seen_point a, seen[40];
+    int32_t count = 1;
+    end[0] = last;
+    see_point(s, begin, sum, &a);
+    see_point(s, last, sum, &seen[0]);
+    if (edges) add_sheet_edge(&seen[0], &a, sum);
+    while (count > 0) {
+        uint64_t const j = end[count - 1], m = i + (j - i) / 2, corner[3] = {i, m, j};
+        const bvxi_seen_point *const b = &seen[count - 1];
+        const bvxi_seen_point *const three[3] = {&a, &seen[count], b};
+        if (j - i < 2 || (j - i > 2 && (i != begin || j != last) && add_far_part(&s->node[m], sum))) {
+            /* of a far part this is the way of the rest's edge, its own is in its dipole */
+            if (edges) add_sheet_edge(&a, b, sum);
+            a = *b;
+            i = j;
+            count--;
             continue;
         }
-        if (j - i > 2 && (i != begin || j != last) && add_far_part(&s->node[m], 0, at, sum)) continue;
-        add_triangle(s, corner, p, at, sum);
-        bvxi_sheet_push(&w, m, j);
-        bvxi_sheet_push(&w, i, m);
+        end[count] = m;
+        see_point(s, m, sum, &seen[count]);
+        add_triangle(s, corner, three, p, sum);
+        count++;
     }
 }
 
 static void add_sheet(const bvxi_sheet *s, const int64_t p[3], double near, sheet_sum *sum)
 {
     bvxi_sheet_walk w;
-    double at[3];
     uint64_t i, j;
-    for (int a = 0; a < 3; a++) at[a] = (double)p[a] * s->scale[a];
-    sum->turns = sum->change = sum->im = 0;
+    for (int a = 0; a < 3; a++) sum->at[a] = (double)p[a] * s->scale[a];
     sum->re = 1;
+    sum->im = sum->turns = 0;
     sum->rounds = sum->factors = 0;
     sum->error = SHEET_ROUNDING;
-    sum->least2 = 1e60;
     sum->near = near;
     w.count = 0;
     if (s->holes->loops > 0) bvxi_sheet_push(&w, 0, s->holes->loops);
     while (bvxi_sheet_take(&w, &i, &j)) {
         uint64_t const m = i + (j - i) / 2;
-        if (add_far_part(bvxi_sheet_group(s, i, j), 1, at, sum)) continue;
+        if (add_far_part(bvxi_sheet_group(s, i, j), sum)) continue;
         if (j - i < 2) {
-            add_loop(s, bvxi_loop_begin(s->holes, s->order[i]), s->holes->loop_end[s->order[i]] - 1, p, at, sum);
+            add_loop(s, bvxi_loop_begin(s->holes, s->order[i]), s->holes->loop_end[s->order[i]] - 1, p, sum);
             continue;
         }
         bvxi_sheet_push(&w, m, j);
@@ -164,42 +235,45 @@ static void add_sheet(const bvxi_sheet *s, const int64_t p[3], double near, shee
     sum->turns += (sum->im < 0 ? -bvxi_angle(sum->re, -sum->im) : bvxi_angle(sum->re, sum->im)) / (2 * BVXI_PI) + sum->rounds;
 }
 
-/* A way t with t * change / (1 - t / least)^3 <= margin: the root of the same with (1 - 1.5 t / least)^2, which is less. */
-static double safe_way(const sheet_sum *sum, double margin)
+double bvxi_sheet_angle(const bvxi_sheet *s, const int64_t p[3], double near)
 {
-    double const reach = sqrt(sum->least2) / 1.5, b = 1 + 0.5 * reach * sum->change / margin, c = b * b - 1;
-    return reach / (b + sqrt(c > 0 ? c : 0));
-}
-
-/* Whole voxels along x in which the angle cannot change by margin. */
-static int32_t safe_voxels(const bvxi_sheet *s, const sheet_sum *sum, double margin)
-{
-    double way;
-    if (margin <= 0 || sum->least2 <= 0) return 0;
-    way = safe_way(sum, margin) * (1 - 1e-9) / s->step[0];
-    return way < 1073741824.0 ? (int32_t)way : 1073741824;
-}
-
-bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, int32_t x, int32_t y, int32_t z, int32_t want_clear)
-{
-    int64_t const step = (int64_t)1 << s->fraction_bits, half = step / 2;
-    int64_t const p[3] = {x * step + half, y * step + half, z * step + half};
-    bvxi_sheet_answer answer;
     sheet_sum sum;
-    double whole = 0, off = 0, margin = 0;
-    for (int level = 0; level < 3 && margin <= 0; level++) {
-        double from_quarter;
+    sum.reach = 0;
+    add_sheet(s, p, near, &sum);
+    return sum.turns;
+}
+
+void bvxi_sheet_around(const bvxi_sheet *s, const int64_t p[3], double reach, double near, double edge_rest, bvxi_sheet_look *look)
+{
+    sheet_sum sum;
+    sum.gradient[0] = sum.gradient[1] = sum.gradient[2] = sum.rest = sum.bend = 0;
+    memset(look, 0, sizeof *look);
+    sum.look = look;
+    sum.reach = reach;
+    sum.edge_rest = edge_rest;
+    add_sheet(s, p, near, &sum);
+    look->turns = sum.turns;
+    look->rest = SHEET_ROUNDING + sum.rest;
+    look->bend = sum.bend;
+    for (int a = 0; a < 3; a++) look->gradient[a] = sum.gradient[a];
+}
+
+bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, const int64_t p[3], int32_t want_clear)
+{
+    bvxi_sheet_answer answer = {0, 0, 0};
+    for (int level = 0; level < 3; level++) {
+        sheet_sum sum;
+        double whole, off, from_quarter;
+        sum.reach = 0;
         add_sheet(s, p, sheet_near[level], &sum);
         whole = floor(sum.turns + 0.5);
         off = sum.turns - whole; /* -1/2 .. 1/2 */
+        answer.tie = (off < 0 ? -off : off) + sum.error < 0.5 ? 0 : off < 0 ? -1 : 1;
         off = off < 0 ? -off : off;
         from_quarter = off < 0.25 ? 0.25 - off : off - 0.25;
-        margin = 0.5 - off;
-        if (want_clear && from_quarter < margin) margin = from_quarter;
-        margin -= sum.error;
+        answer.whole = (int32_t)whole;
+        answer.clear = off < 0.25;
+        if (!answer.tie && (!want_clear || from_quarter > sum.error)) break;
     }
-    answer.odd = floor(0.5 * whole) * 2 != whole;
-    answer.clear = want_clear && off < 0.25;
-    answer.same = safe_voxels(s, &sum, margin);
     return answer;
 }

@@ -1,4 +1,4 @@
-/* sheet_nodes.c - what the parts of a sheet over holes are from far off: balls, areas, lengths; parts of loops, loops, groups of
+/* sheet_nodes.c - what the parts of a sheet over holes are from far off: balls and areas; parts of loops, loops, groups of
  * loops. */
 #include "voxelize/sheet.h"
 #include "mesh/radix.h"
@@ -47,8 +47,6 @@ static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_no
     uint64_t from, to;
     memset(node, 0, sizeof *node);
     enclose_points(s, i, j, node);
-    for (uint64_t k = i; k < j; k++) node->length += sheet_distance(bvxi_sheet_point(s, k), bvxi_sheet_point(s, k + 1));
-    node->chord = sheet_distance(bvxi_sheet_point(s, i), bvxi_sheet_point(s, j));
     w.count = 0;
     bvxi_sheet_push(&w, i, j);
     while (bvxi_sheet_take(&w, &from, &to)) {

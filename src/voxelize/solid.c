@@ -31,8 +31,8 @@ static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code,
         int32_t const x = bvxi_floor_shift(code, 1);
         if (x > *highest) *highest = x;
     } else if (job->listed == NULL || job->listed[row]) {
-        if (mode == BVXI_FILL_LIST) job->crossing[job->row_end[row]] = code;
-        job->row_end[row]++;
+        if (mode == BVXI_FILL_LIST) job->lists.crossing[job->lists.row_end[row]] = code;
+        job->lists.row_end[row]++;
     }
 }
 
@@ -74,6 +74,7 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
     uint64_t const all = job->view->triangle_count;
     uint64_t left = all;
     job->mode = mode;
+    job->rounds = 0;
     for (int32_t c = 0; c < job->chunks; c++) {
         bvxi_piece(all, job->chunks, c, &job->chunk[c].next, &job->chunk[c].end);
         job->chunk[c].bad = UINT64_MAX;
@@ -83,6 +84,7 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
         double const at = bvxi_solid_progress(job, from + (to - from) * (1.0 - (double)left / (double)all));
         BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->chunks, bvxi_find_crossings, job));
         left = 0;
+        job->rounds++;
         for (int32_t c = 0; c < job->chunks; c++) {
             if (job->chunk[c].bad != UINT64_MAX) return bvxi_view_fail_index(ctx, job->function, job->view, job->chunk[c].bad);
             left += job->chunk[c].end - job->chunk[c].next;
@@ -90,6 +92,13 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
         BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->tiles.count, take_tile, job));
     }
     return BVX_OK;
+}
+
+bvx_status bvxi_solid_again(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to)
+{
+    if (job->rounds != 1) return bvxi_solid_rounds(ctx, job, mode, from, to);
+    job->mode = mode;
+    return bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to), job->tiles.count, take_tile, job);
 }
 
 /* ---- toggles to runs ---- */
@@ -153,6 +162,22 @@ static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 
 /* ---- a block, a grid ---- */
 
+static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
+{
+    bvxi_row_lists lists;
+    bvx_status status;
+    BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.4, &lists));
+    for (int32_t c = 0; c < job->chunks; c++) {
+        report->triangles_used += job->chunk[c].used;
+        job->chunk[c].used = 0;
+    }
+    report->crossings += lists.total;
+    status = job->take_lists(ctx, job, &lists, 0.4, 1.0);
+    for (int32_t c = 0; c < job->chunks; c++) job->chunk[c].used = 0;
+    bvxi_row_lists_free(ctx, &lists);
+    return status;
+}
+
 static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
 {
     uint64_t const rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
@@ -163,7 +188,9 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
     memset(job->dropped, 0, sizeof job->dropped);
     bvxi_tiles_choose(&job->tiles, job->block.ny, job->block.nz, BVXI_SOLID_TILES);
     BVXI_TRY(bvxi_snap_cells(ctx, &job->grid->lattice, &job->block, bvxi_solid_progress(job, 0), &job->snapped));
-    if (job->fill == BVX_FILL_BELOW) {
+    if (job->take_lists != NULL) {
+        status = fill_from_lists(ctx, job, report);
+    } else if (job->fill == BVX_FILL_BELOW) {
         status = bvxi_solid_rounds(ctx, job, BVXI_HIGHEST, 0.1, 1.0);
     } else {
         BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, rows, "the rows' balance", &job->beyond));

@@ -29,9 +29,19 @@ typedef struct bvxi_chunk {
     uint32_t tile_end[BVXI_SOLID_TILES + 1]; /* tile t has sorted[tile_end[t] .. tile_end[t + 1]) */
 } bvxi_chunk;
 
+/* Where the rows of a block are crossed: codes of row r from row_end[r - 1] (0 for the first) to row_end[r]. */
+typedef struct bvxi_row_lists {
+    uint64_t *row_end; /* [Size: rows] */
+    int32_t *crossing; /* codes [Size: total] */
+    uint64_t rows, total;
+} bvxi_row_lists;
+
 /* A mesh being filled. Rows run along axis; for axes other than 0 grid is a turned one (grid/turn.h), and where this folder
  * says x, y, z the axis and the two across it are meant. */
-typedef struct bvxi_solid_job {
+typedef struct bvxi_solid_job bvxi_solid_job;
+typedef bvx_status bvxi_take_lists_fn(bvx_context *ctx, bvxi_solid_job *job, const bvxi_row_lists *lists, double from, double to);
+
+struct bvxi_solid_job {
     const char *function;    /* for messages */
     const bvx_mesh_view *view;
     const bvx_grid *grid;    /* words are written */
@@ -40,7 +50,7 @@ typedef struct bvxi_solid_job {
     int32_t fraction_bits, fill, cpu, mode;
     double progress_from, progress_share; /* of this block in the stage's progress */
     bvxi_chunk *chunk;
-    int32_t chunks;
+    int32_t chunks, rounds;  /* rounds: that the last pass took */
     struct bvxi_cross_batch *batch; /* one a worker */
 
     bvxi_tiles tiles;
@@ -51,11 +61,11 @@ typedef struct bvxi_solid_job {
     uint8_t *beyond;         /* by row: parity of the crossings behind the window's last voxel */
     uint64_t crossings[BVXI_SOLID_TILES], unbalanced[BVXI_SOLID_TILES], dropped[BVXI_SOLID_TILES];
 
-    /* crossing lists, for rows with listed[row] != 0 only (NULL: all rows) */
-    uint8_t *listed;
-    uint64_t *row_end;       /* counts, then ends of the rows' lists */
-    int32_t *crossing;       /* codes, by row */
-} bvxi_solid_job;
+    uint8_t *listed;         /* lists are made for rows with listed[row] != 0 only (NULL: all rows) */
+    bvxi_row_lists lists;    /* being made: row_end holds counts, then begins that move to the ends */
+    bvxi_take_lists_fn *take_lists; /* where not NULL: a block is filled by it, from the lists of its rows */
+    void *user;              /* its own */
+};
 
 /* What the tiles do with a crossing: job->mode. */
 enum { BVXI_TOGGLE = 0, BVXI_COUNT_LIST = 1, BVXI_FILL_LIST = 2, BVXI_HIGHEST = 3 };
@@ -107,7 +117,8 @@ static inline double bvxi_solid_progress(const bvxi_solid_job *job, double fract
 }
 
 /* solid.c: make a mesh ready (snapped), fill the rows of a window along an axis, let go. bvxi_solid_fill writes grid's words by
- * the rule parity or nonzero; by below it leaves them and writes job->highest, which the caller has set to INT32_MIN.
+ * the rule parity or nonzero; by below it leaves them and writes job->highest, which the caller has set to INT32_MIN; with
+ * take_lists that writes them, and the counts of crossings are the mesh's.
  * Counts are added to the report. */
 bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                            bvxi_solid_job *job);
@@ -121,7 +132,12 @@ typedef void bvxi_crossing_fn(void *sink, uint32_t row, int32_t code);
 void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triangle, bvxi_crossing_fn *take, void *sink);
 /* solid.c: run rounds until all triangles are done, the tiles doing what mode says. */
 bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to);
-/* solid_rows.c: fill listed rows from their lists by the job's rule. */
+/* The same triangles once more in another mode; where one round was enough the chunks still hold all crossings. */
+bvx_status bvxi_solid_again(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to);
+/* solid_rows.c: make the lists of the rows of the block being filled, not sorted; let go of them. */
+bvx_status bvxi_solid_gather(bvx_context *ctx, bvxi_solid_job *job, double from, double to, bvxi_row_lists *lists);
+void bvxi_row_lists_free(bvx_context *ctx, bvxi_row_lists *lists);
+/* Fill listed rows from their lists by the job's rule. */
 bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job);
 
 #endif

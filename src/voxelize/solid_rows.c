@@ -106,16 +106,16 @@ static void solve_rows(void *user, int32_t tile, int32_t worker)
     for (int32_t k = r.k0; k < r.k1; k++) {
         for (int32_t j = r.j0; j < r.j1; j++) {
             uint64_t const row = bvxi_block_row(job, j, k);
-            uint64_t const begin = row == 0 ? 0 : job->row_end[row - 1];
-            uint32_t const n = (uint32_t)(job->row_end[row] - begin);
+            uint64_t const begin = row == 0 ? 0 : job->lists.row_end[row - 1];
+            uint32_t const n = (uint32_t)(job->lists.row_end[row] - begin);
             uint64_t *const words = bvxi_block_words(job, j, k);
             uint64_t lost;
             if (job->listed != NULL && !job->listed[row]) continue;
             memset(words, 0, row_bytes);
             if (n == 0) continue;
-            bvxi_sort_i32(job->crossing + begin, n);
-            lost = job->fill == BVX_FILL_PARITY ? fill_parity(job, words, job->crossing + begin, n)
-                                                : fill_nonzero(job, words, job->crossing + begin, n);
+            bvxi_sort_i32(job->lists.crossing + begin, n);
+            lost = job->fill == BVX_FILL_PARITY ? fill_parity(job, words, job->lists.crossing + begin, n)
+                                                : fill_nonzero(job, words, job->lists.crossing + begin, n);
             crossings += n;
             dropped += lost;
             unbalanced += lost != 0;
@@ -128,25 +128,42 @@ static void solve_rows(void *user, int32_t tile, int32_t worker)
     }
 }
 
+void bvxi_row_lists_free(bvx_context *ctx, bvxi_row_lists *lists)
+{
+    bvxi_free(ctx, lists->crossing, lists->total * 4);
+    bvxi_free(ctx, lists->row_end, lists->rows * 8);
+    memset(lists, 0, sizeof *lists);
+}
+
+bvx_status bvxi_solid_gather(bvx_context *ctx, bvxi_solid_job *job, double from, double to, bvxi_row_lists *made)
+{
+    bvxi_row_lists *const lists = &job->lists;
+    double const middle = 0.5 * (from + to);
+    bvx_status status;
+    memset(lists, 0, sizeof *lists);
+    lists->rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
+    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, lists->rows * 8, "the rows' crossing counts", &lists->row_end);
+    if (status == BVX_OK) status = bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST, from, middle);
+    if (status == BVX_OK) {
+        for (uint64_t row = 0; row < lists->rows; row++) { /* counts become begins; filling turns them into ends */
+            uint64_t const n = lists->row_end[row];
+            lists->row_end[row] = lists->total;
+            lists->total += n;
+        }
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, lists->total * 4, "the crossings", &lists->crossing);
+    }
+    if (status == BVX_OK) status = bvxi_solid_again(ctx, job, BVXI_FILL_LIST, middle, to);
+    *made = *lists;
+    if (status != BVX_OK) bvxi_row_lists_free(ctx, made);
+    return status;
+}
+
 bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job)
 {
-    uint64_t const rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
-    uint64_t total = 0;
+    bvxi_row_lists lists;
     bvx_status status;
-    job->crossing = NULL;
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, rows * 8, "the rows' crossing counts", &job->row_end));
-    status = bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST, 0.5, 0.7);
-    if (status == BVX_OK) {
-        for (uint64_t row = 0; row < rows; row++) { /* counts become begins; filling turns them into ends */
-            uint64_t const n = job->row_end[row];
-            job->row_end[row] = total;
-            total += n;
-        }
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, total * 4, "the crossings", &job->crossing);
-    }
-    if (status == BVX_OK) status = bvxi_solid_rounds(ctx, job, BVXI_FILL_LIST, 0.7, 0.9);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.9), bvxi_solid_progress(job, 1.0), job->tiles.count, solve_rows, job);
-    bvxi_free(ctx, job->crossing, total * 4);
-    bvxi_free(ctx, job->row_end, rows * 8);
+    BVXI_TRY(bvxi_solid_gather(ctx, job, 0.5, 0.9, &lists));
+    status = bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.9), bvxi_solid_progress(job, 1.0), job->tiles.count, solve_rows, job);
+    bvxi_row_lists_free(ctx, &lists);
     return status;
 }

@@ -14,10 +14,7 @@
  * the snapped triangles alone. */
 #include "voxelize/fills.h"
 #include "grid/turn.h"
-#include "voxelize/sheet.h"
-#include "bits/row_runs.h"
-
-enum { VOTE_GRAIN = 64 };
+#include "voxelize/turns.h"
 
 typedef struct vote_work {
     bvx_grid *solid;
@@ -28,7 +25,6 @@ typedef struct vote_work {
     uint64_t odd_bytes[3];
     uint64_t *even_y, *even_z; /* rows of bits along x: by z, those whose row along y balances; by y, along z */
     const bvxi_sheet *sheet;
-    int32_t pieces;
     int32_t want_clear;   /* 1: centres clearly on one side of the sheet's best place become sure */
 } vote_work;
 
@@ -104,98 +100,63 @@ static int drop_odd_rows(vote_work *w)
     return unsure == 0;
 }
 
-/* turned holds the parity of the sheet's crossings along x, solid that of the mesh's. Centres that are not sure change sides where
- * the two, and the sheet's way to where it covers half of all directions, say so. They become sure where that place is clearly far. */
-static void move_sheet_row(const vote_work *w, uint64_t row)
+/* Centres that are not sure change sides where the sheet's crossings, and its way to where it covers half of all directions, say
+ * so together. */
+static void vote_rows(const bvxi_turns_job *job, const bvxi_turns_block *b, const bvxi_row_codes *mesh, int32_t x0, int32_t x1)
 {
-    const bvx_grid *const g = w->solid;
-    size_t const first = (size_t)row * (size_t)g->words_per_row;
-    int32_t const y = g->low[1] + (int32_t)(row % (uint64_t)g->size[1]), z = g->low[2] + (int32_t)(row / (uint64_t)g->size[1]);
-    int32_t until = 0; /* the answer holds for voxels before this */
-    uint64_t change = 0, clear = 0;
-    for (int32_t k = 0; k < g->words_per_row; k++) {
-        uint64_t const crossed = w->turned[first + (size_t)k];
-        uint64_t left = ~w->sure[first + (size_t)k] & (k + 1 == g->words_per_row ? bvxi_tail_mask(g->size[0]) : ~UINT64_C(0));
-        while (left != 0) {
-            int32_t const bit = bvxi_lowest(left), x = k * BVXI_WORD_BITS + bit;
-            uint64_t run;
-            if (x >= until) {
-                bvxi_sheet_answer const a = bvxi_sheet_turns(w->sheet, g->low[0] + x, y, z, w->want_clear);
-                change = ((crossed >> bit & 1) ^ (uint64_t)a.odd) != 0 ? ~UINT64_C(0) : 0;
-                clear = a.clear ? ~UINT64_C(0) : 0;
-                until = a.same < g->size[0] - x ? x + a.same + 1 : g->size[0];
+    (void)mesh;
+    for (int32_t z = 0; z < b->size[2]; z++)
+        for (int32_t y = 0; y < b->size[1]; y++) {
+            uint32_t const row = bvxi_turns_row(y, z);
+            const bvxi_row_codes *const r = &b->crossed[row];
+            uint32_t odd = 0;
+            if (b->open[row] == 0 || (!b->dirty && r->count == 0)) continue;
+            for (uint32_t i = 0; i < r->count; i++) {
+                int32_t const at = bvxi_floor_shift(r->code[i], 1) - b->low[0];
+                if (at < BVXI_TURNS_SIDE) odd ^= UINT32_MAX << (at < 0 ? 0 : at);
             }
-            run = left & bvxi_run_mask(0, until, k);
-            g->words[first + (size_t)k] ^= run & change;
-            w->sure[first + (size_t)k] |= run & clear;
-            left &= ~run;
+            for (int32_t x = 0; x < x1 - x0 && b->dirty; x++)
+                odd ^= (uint32_t)(b->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] / 2 & 1) << x;
+            job->grid->words[bvxi_turns_word(job, b, y, z) + (uint64_t)(x0 >> 6)] ^= (uint64_t)(odd & b->open[row]) << (x0 & 63);
         }
-    }
 }
 
-static void vote_piece(void *user, int32_t index, int32_t worker)
+/* lists: of the sheet. */
+static bvx_status vote_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_row_lists *lists, double from, double to)
 {
-    const vote_work *const w = user;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(w->solid), w->pieces, index, &begin, &end);
-    for (uint64_t row = begin; row < end; row++) move_sheet_row(w, row);
+    const vote_work *const w = job->user;
+    bvxi_turns_job turns = {0};
+    uint64_t unused = 0;
+    turns.sheet = w->sheet;
+    turns.grid = w->solid;
+    turns.known = w->sure;
+    turns.clear = w->want_clear ? w->sure : NULL;
+    turns.solid = job;
+    turns.crossed = lists;
+    turns.rule = vote_rows;
+    return bvxi_turns_run(ctx, &turns, bvxi_solid_progress(job, from), bvxi_solid_progress(job, to), &unused);
 }
 
-static bvx_status move_sheet(bvx_context *ctx, vote_work *w, double from, double to)
-{
-    w->pieces = bvxi_piece_count(bvxi_grid_rows(w->solid), VOTE_GRAIN);
-    return bvxi_parallel(ctx, "solid", from, to, w->pieces, vote_piece, w);
-}
-
-/* The sheet's triangles as a mesh over the same vertices. */
-static uint64_t list_sheet(const bvxi_holes *holes, uint32_t *corner)
-{
-    uint64_t count = 0, begin = 0, i, j;
-    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
-        bvxi_sheet_walk w;
-        w.count = 0;
-        bvxi_sheet_push(&w, begin, holes->loop_end[l] - 1);
-        while (bvxi_sheet_take(&w, &i, &j)) {
-            uint64_t const m = i + (j - i) / 2;
-            if (j - i < 2) continue;
-            corner[3 * count] = holes->vertex[i];
-            corner[3 * count + 1] = holes->vertex[m];
-            corner[3 * count++ + 2] = holes->vertex[j];
-            bvxi_sheet_push(&w, i, m);
-            bvxi_sheet_push(&w, m, j);
-        }
-    }
-    return count;
-}
-
-/* turned = parity along x of the sheet's crossings. */
-static bvx_status cross_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, const bvxi_holes *holes, double from, double to)
+/* Block by block, from the rows' crossings with the sheet. */
+static bvx_status move_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, const bvxi_holes *holes, double from, double to)
 {
     const bvx_mesh_view *const mesh = job->view;
     bvx_solid_report unused = {0};
-    bvx_mesh_view view = {0};
-    bvx_grid grid = *w->solid;
-    uint32_t *corner = NULL;
+    bvx_mesh_view view;
     bvx_status status;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * 12, "the sheet's triangles", &corner));
-    view.positions = mesh->positions;
-    view.vertex_count = mesh->vertex_count;
-    view.position_type = mesh->position_type;
-    view.index_type = BVX_U32;
-    view.indices = corner;
-    view.triangle_count = list_sheet(holes, corner);
-    grid.words = w->turned;
+    BVXI_TRY(bvxi_sheet_mesh_open(ctx, mesh, holes, &view));
     job->view = &view;
-    status = bvxi_solid_fill(ctx, job, &grid, 0, BVX_FILL_PARITY, from, to, &unused);
+    job->take_lists = vote_block;
+    job->user = w;
+    status = bvxi_solid_fill(ctx, job, w->solid, 0, BVX_FILL_PARITY, from, to, &unused);
+    job->take_lists = NULL;
     job->view = mesh;
-    bvxi_free(ctx, corner, holes->points * 12);
+    bvxi_sheet_mesh_close(ctx, holes, &view);
     return status;
 }
 
 static bvx_status ask_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from, double to)
 {
-    double const part = from + (to - from) / 4;
     bvxi_holes holes;
     bvxi_sheet sheet;
     bvx_status status;
@@ -205,8 +166,7 @@ static bvx_status ask_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w,
     if (status == BVX_OK) {
         w->sheet = &sheet;
         job->odd_rows = NULL;
-        status = cross_sheet(ctx, job, w, &holes, from, part);
-        if (status == BVX_OK) status = move_sheet(ctx, w, part, to);
+        status = move_sheet(ctx, job, w, &holes, from, to);
         bvxi_sheet_close(ctx, &sheet);
     }
     bvxi_holes_close(ctx, &holes);

@@ -1,6 +1,6 @@
 /* voxelize_solid.c - the voxels whose centres lie inside a mesh: bvx_voxelize_solid and its rules.
  *
- * Everything is checked first. Then the rule fills the grid (solid.c for rows, vote.c, flood.c, regions.c, below.c), the shell
+ * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c, regions.c, below.c), the shell
  * is added and the edges are counted where asked. */
 #include "voxelize/fills.h"
 
@@ -25,7 +25,7 @@ static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const ch
 static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
 {
     int const below = o->fill == BVX_FILL_BELOW;
-    if (o->fill < BVX_FILL_PARITY || o->fill > BVX_FILL_BELOW)
+    if (o->fill < BVX_FILL_PARITY || o->fill > BVX_FILL_WINDING)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: fill rule %d is unknown", solid_name, (int64_t)o->fill);
     if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", solid_name);
     if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)
@@ -125,6 +125,7 @@ static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
     if (o->fill <= BVX_FILL_NONZERO) status = bvxi_solid_fill(ctx, &job, solid, 0, o->fill, 0.1, 1.0, report);
     else if (o->fill == BVX_FILL_BELOW) status = fill_below(ctx, &job, o, solid, report);
+    else if (o->fill == BVX_FILL_WINDING) status = bvxi_wind(ctx, &job, solid, 0.1, 1.0, report);
     else status = fill_by_vote(ctx, &job, o, solid, report);
     bvxi_solid_close(ctx, &job);
     return status;

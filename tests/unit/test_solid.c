@@ -294,7 +294,7 @@ static void test_refusals_of_arguments(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, NULL, &l, NULL, &untouched));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &v, NULL, NULL, &untouched));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &v, &l, NULL, NULL));
-    o.fill = 6;
+    o.fill = 7;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &v, &l, &o, &untouched));
     o.fill = -1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &v, &l, &o, &untouched));

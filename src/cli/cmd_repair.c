@@ -1,0 +1,175 @@
+/* cmd_repair.c - bitvox repair: a closed, manifold, oriented mesh from any. */
+#include "cli/cli.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+/* The numbers of the repair in the report's JSON. */
+static void add_repair_json(cli_run *run, const bvx_repair_report *r, int measured)
+{
+    cli_text *const t = &run->report.more;
+    cli_text_add(t, ", \"repair\": {\"sign\": \"%s\"", cli_sign_names[r->sign]);
+    cli_json_count(t, "holes", r->holes);
+    cli_json_value(t, "hole_length", r->hole_length);
+    cli_json_value(t, "longest_hole", r->longest_hole);
+    cli_json_count(t, "boundary_edges", r->before.boundary_edges);
+    cli_json_count(t, "flipped_edges", r->before.flipped_edges);
+    cli_json_count(t, "nonmanifold_edges", r->before.nonmanifold_edges);
+    cli_json_count(t, "duplicates", r->before.duplicates);
+    cli_json_count(t, "degenerate", r->before.degenerate + r->before.collapsed);
+    cli_json_count(t, "components_before", r->before.components);
+    cli_json_count(t, "parts_kept", r->parts_kept);
+    cli_json_count(t, "parts_dropped", r->parts_dropped);
+    cli_json_count(t, "cavities_kept", r->cavities_kept);
+    cli_json_count(t, "cavities_dropped", r->cavities_dropped);
+    cli_json_count(t, "shelled_triangles", r->shelled_triangles);
+    cli_json_count(t, "sheet_edges", r->sheet_edges);
+    cli_json_value(t, "volume_before", r->before.volume);
+    cli_json_value(t, "volume_after", r->after.volume);
+    if (measured) {
+        cli_json_count(t, "overlaps", r->overlaps);
+        cli_json_value(t, "mean_input_to_output", r->distance.mean_a_to_b);
+        cli_json_value(t, "max_input_to_output", r->distance.max_a_to_b);
+        cli_json_value(t, "mean_output_to_input", r->distance.mean_b_to_a);
+        cli_json_value(t, "max_output_to_input", r->distance.max_b_to_a);
+        cli_json_value(t, "mean_off_caps", r->mean_off_caps);
+        cli_json_value(t, "max_off_caps", r->max_off_caps);
+    }
+    cli_text_add(t, "}");
+}
+
+static void say_found(cli_run *run, const bvx_repair_report *r)
+{
+    const bvx_certificate *const c = &r->before;
+    cli_say(run, "  found       %s%s%s; %" PRIu64 " components, volume %.6g\n", c->closed ? "closed" : "open",
+            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", not manifold", c->oriented ? ", oriented" : ", not oriented",
+            c->components, c->volume);
+    if (r->holes != 0)
+        cli_say(run, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n", r->holes, c->boundary_edges,
+                r->hole_length, r->longest_hole);
+    if (c->flipped_edges != 0) cli_say(run, "  flipped     %" PRIu64 " edges between triangles of opposite sides\n", c->flipped_edges);
+    if (c->nonmanifold_edges != 0) cli_say(run, "  junctions   %" PRIu64 " edges of three triangles or more\n", c->nonmanifold_edges);
+    if (c->duplicates + c->degenerate + c->collapsed != 0)
+        cli_say(run, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates, c->degenerate + c->collapsed);
+    if (run->options.measure && r->overlaps != 0) cli_say(run, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
+}
+
+static void say_repaired(cli_run *run, const bvx_repair_report *r)
+{
+    const bvx_lattice *const l = &r->lattice;
+    const bvx_certificate *const c = &r->after;
+    cli_say(run, "  lattice     %d x %d x %d, inside by %s\n", (int)l->dims[0], (int)l->dims[1], (int)l->dims[2], cli_sign_names[r->sign]);
+    if (r->shelled) cli_say(run, "  shells      %" PRIu64 " triangles enclose nothing and became shells\n", r->shelled_triangles);
+    if (r->parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped, r->parts_dropped + r->parts_kept);
+    if (r->cavities_dropped != 0)
+        cli_say(run, "  filled      %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped, r->cavities_dropped + r->cavities_kept);
+    cli_say(run, "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64 " components, volume %.6g\n", c->triangles,
+            c->vertices, c->closed ? ", closed" : ", OPEN", c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
+            c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
+    if (!run->options.measure) return;
+    cli_say(run, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g), off the caps %.3g (%.3g)\n",
+            r->distance.mean_a_to_b, r->distance.max_a_to_b, r->distance.mean_b_to_a, r->distance.max_b_to_a, r->mean_off_caps,
+            r->max_off_caps);
+}
+
+static void take_repair_options(const cli_run *run, bvx_repair_options *o)
+{
+    const cli_options *const c = &run->options;
+    bvx_repair_options_init(o, sizeof *o);
+    if (c->resolution.count != 0) o->resolution = (int32_t)c->resolution.value[0];
+    o->sign = c->sign;
+    if (cli_given(run, "--interpolation")) o->interpolation = c->interpolation;
+    o->sharp = c->sharp;
+    o->measure = c->measure;
+    if (cli_given(run, "--shell")) o->shell = c->shell;
+    if (c->least_part > 0) o->least_part = (uint64_t)c->least_part;
+    if (c->least_cavity > 0) o->least_cavity = (uint64_t)c->least_cavity;
+    if (c->triangles.count != 0) o->target_triangles = (uint64_t)c->triangles.value[0];
+}
+
+static int check_repair_options(cli_run *run)
+{
+    const char *const out = run->options.output;
+    if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH || cli_is_packed(out))
+        return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", out);
+    if (run->options.triangles.count > 1) return cli_usage(run, "--triangles: one number is wanted");
+    return CLI_DONE;
+}
+
+static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired, bvx_repair_report *report)
+{
+    bvx_repair_options o;
+    bvx_mesh_view view;
+    bvx_status status;
+    take_repair_options(run, &o);
+    o.report = report;
+    bvx_mesh_view_of(source, &view);
+    cli_stage_begin(run, "repair");
+    status = bvx_repair(run->context, &view, &o, repaired);
+    if (status == BVX_ERR_RANGE && repaired->positions == NULL) { /* far from the origin */
+        o.position_type = BVX_F64;
+        status = bvx_repair(run->context, &view, &o, repaired);
+    }
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    if (!run->options.carry) return CLI_DONE;
+    cli_stage_begin(run, "carry");
+    status = bvx_mesh_carry(run->context, source, repaired);
+    cli_stage_end(run);
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+}
+
+static void report_repair(cli_run *run, const bvx_repair_report *report)
+{
+    cli_mesh_entry *const entry = &run->report.mesh[0];
+    run->report.lattice = report->lattice;
+    run->report.has_lattice = 1;
+    entry->path = run->options.output;
+    entry->certificate = report->after;
+    if (run->options.measure) entry->distance = &report->distance;
+    run->report.meshes = 1;
+    add_repair_json(run, report, run->options.measure);
+}
+
+static int write_repaired(cli_run *run, const bvx_mesh *mesh)
+{
+    const char *const out = run->options.output;
+    bvx_buffer file = {0};
+    bvx_status status;
+    int result;
+    cli_stage_begin(run, "write");
+    status = bvx_write_mesh(run->context, mesh, bvx_format_of_name(out), &file);
+    result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, out);
+    if (result == CLI_DONE) result = cli_keep_outputs(run);
+    cli_stage_end(run);
+    bvx_buffer_free(run->context, &file);
+    return result;
+}
+
+static int run_repair(cli_run *run)
+{
+    static bvx_repair_report report; /* the run's report points into it */
+    bvx_mesh source = {0}, repaired = {0};
+    int status = check_repair_options(run);
+    if (status == CLI_DONE) status = cli_open_output(run, run->options.output);
+    if (status == CLI_DONE) status = cli_read_mesh(run, run->options.input[0], &source);
+    if (status == CLI_DONE) status = repair_mesh(run, &source, &repaired, &report);
+    if (status == CLI_DONE) report_repair(run, &report);
+    if (status == CLI_DONE) status = write_repaired(run, &repaired);
+    if (status == CLI_DONE) {
+        cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
+        say_found(run, &report);
+        say_repaired(run, &report);
+    }
+    bvx_mesh_free(run->context, &repaired);
+    bvx_mesh_free(run->context, &source);
+    return status;
+}
+
+const cli_command cli_repair = {
+    "repair", CLI_REPAIR, 1, 1, "IN -o OUT [options]", "a closed, manifold, oriented mesh from any",
+    "Reads a mesh (.stl .obj .ply .off, also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
+    "flipped, doubled or crossing triangles - and writes one that is closed, manifold, oriented and does not\n"
+    "cross itself (.ply .obj .stl .off .glb). Details below a voxel are lost; what encloses nothing, like a\n"
+    "single sheet, becomes a shell. With --triangles the resolution is searched for, up to --resolution.",
+    "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --measure", run_repair};

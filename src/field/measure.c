@@ -1,0 +1,268 @@
+/* measure.c - a band of distances round a mesh: bvx_measure_field.
+ *
+ * Source: "Model repair by a vector distance field" (the vector to the closest point, kept for the cells near the surface).
+ *
+ * Everything is checked first. Then the centres near the mesh are found and counted (nearest.h), so the arrays have their exact
+ * sizes; then values are filled in by rank, the sign rule sets the grid of inside centres (signs.h), and distances of centres
+ * inside become negative. */
+#include "field/field.h"
+#include "field/nearest.h"
+#include "field/signs.h"
+#include "mesh/view.h"
+
+static const char measure_name[] = "bvx_measure_field";
+static const char measure_stage[] = "field";
+static const bvx_field_options field_defaults = {0, 3.0, BVX_SIGN_AUTO, BVX_F32, {{0, 0, 0}, {0, 0, 0}}, 0, 0, {0, 0}};
+
+enum { MEASURE_GRAIN = 1 << 14 /* values of the smallest task, about */ };
+
+void bvx_field_options_init(bvx_field_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &field_defaults, sizeof field_defaults);
+}
+
+typedef struct measure_job {
+    const bvx_mesh_view *mesh;
+    bvx_field_options o;
+    bvx_window window;
+    bvxi_nearest *nearest;
+    bvx_field field;
+    uint32_t *triangles; /* the field's, or made for the sign alone */
+    uint8_t *features;
+} measure_job;
+
+/* ---- what is asked for ---- */
+
+static bvx_status check_measure_choices(bvx_context *ctx, const bvx_field_options *o)
+{
+    if (!(o->half_width > 0.0))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: half_width is %g; it must be above 0", measure_name, o->half_width);
+    if (o->sign < BVX_SIGN_AUTO || o->sign > BVX_SIGN_NONE)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sign rule %d is unknown", measure_name, (int64_t)o->sign);
+    if (o->value_type != BVX_F32 && o->value_type != BVX_F64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: value_type is %d, not BVX_F32 (1) or BVX_F64 (2)", measure_name, (int64_t)o->value_type);
+    if ((o->no_vectors & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: no_vectors is %d, not 0 or 1", measure_name, (int64_t)o->no_vectors);
+    if ((o->features & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: features is %d, not 0 or 1", measure_name, (int64_t)o->features);
+    for (uint64_t i = 0; i < 2; i++)
+        if (o->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved[%u] is not 0", measure_name, i);
+    return BVX_OK;
+}
+
+static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)
+{
+    if (field == NULL) return bvxi_fail_null(ctx, measure_name, "field");
+    if (field->band.words != NULL || field->inside.words != NULL || field->row_values != NULL || field->vectors != NULL ||
+        field->distances != NULL || field->triangles != NULL || field->features != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field holds arrays already; free or zero it first", measure_name);
+    return BVX_OK;
+}
+
+/* The half-width in the world; infinity where doubles do not hold it. */
+static double measure_width(const bvx_lattice *l, double half_width)
+{
+    double s = l->spacing[0] > l->spacing[1] ? l->spacing[0] : l->spacing[1];
+    s = l->spacing[2] > s ? l->spacing[2] : s;
+    return half_width * s;
+}
+
+/* No distance within width, from a finite centre to the mesh, is beyond what numbers of the field hold. */
+static bvx_status check_largest_distance(bvx_context *ctx, const measure_job *job, const bvx_lattice *l, double width)
+{
+    double const most = job->o.value_type == BVX_F32 ? 0x1p125 : 0x1p1000;
+    double low[3], high[3];
+    if (width < most) return BVX_OK;
+    BVXI_TRY(bvxi_view_bounds(ctx, measure_name, job->mesh, low, high));
+    for (int a = 0; a < 3; a++) {
+        double const first = l->origin[a], last = first + (double)l->dims[a] * l->spacing[a];
+        double const below = first < low[a] ? first : low[a], above = last > high[a] ? last : high[a];
+        if (!(above - below < most))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: distances of up to %g do not fit the field's numbers%s", measure_name, above - below,
+                             job->o.value_type == BVX_F32 ? ": take BVX_F64" : "");
+    }
+    return BVX_OK;
+}
+
+/* Centres must be finite, and the field's numbers hold the distances. */
+static bvx_status check_measure_range(bvx_context *ctx, const measure_job *job, const bvx_lattice *l)
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+    double const width = measure_width(l, job->o.half_width);
+    for (int a = 0; a < 3; a++) {
+        double const far_end = l->origin[a] + (double)l->dims[a] * l->spacing[a];
+        if (!(far_end - far_end == 0.0))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's last voxel has no finite place along %s", measure_name, axis_name[a]);
+        if (job->o.value_type == BVX_F32 && (l->spacing[a] > 0x1p100 || l->spacing[a] < 0x1p-100))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: floats do not hold distances of voxels of %g along %s: take BVX_F64", measure_name,
+                             l->spacing[a], axis_name[a]);
+    }
+    if (!(width > 0.0))
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: half_width is %g voxels, which is nothing in the world's unit", measure_name, job->o.half_width);
+    return check_largest_distance(ctx, job, l, width);
+}
+
+static bvx_status check_measure(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice, const bvx_field_options *options,
+                                const bvx_field *field, measure_job *job)
+{
+    BVXI_TRY(check_empty_field(ctx, field));
+    job->o = field_defaults;
+    BVXI_TRY(bvxi_take_options(ctx, measure_name, options, &job->o, sizeof job->o));
+    BVXI_TRY(check_measure_choices(ctx, &job->o));
+    BVXI_TRY(bvxi_view_check(ctx, measure_name, mesh));
+    if (mesh->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", measure_name);
+    BVXI_TRY(bvxi_lattice_check(ctx, measure_name, lattice));
+    BVXI_TRY(bvxi_window_take(ctx, measure_name, lattice, &job->o.window, &job->window));
+    job->mesh = mesh;
+    return check_measure_range(ctx, job, lattice);
+}
+
+/* ---- the band and its values ---- */
+
+/* Every centre has a value. */
+static void take_every_centre(bvx_field *field)
+{
+    uint64_t const rows = bvxi_grid_rows(&field->band);
+    for (uint64_t r = 0; r < rows; r++) {
+        bvxi_set_run(field->band.words + r * (uint64_t)field->band.words_per_row, 0, field->band.size[0]);
+        field->row_values[r] = r * (uint64_t)field->band.size[0];
+    }
+    field->row_values[rows] = rows * (uint64_t)field->band.size[0];
+}
+
+static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
+{
+    bvx_field *const f = &job->field;
+    uint64_t rows;
+    BVXI_TRY(bvx_grid_create(ctx, lattice, &job->window, &f->band));
+    rows = bvxi_grid_rows(&f->band);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, (rows + 1) * 8, "the field's rows", &f->row_values));
+    if (f->half_width - f->half_width == 0.0)
+        BVXI_TRY(bvxi_nearest_band(ctx, measure_stage, 0.15, 0.35, job->nearest, f->half_width, &f->band, f->row_values));
+    else take_every_centre(f);
+    return BVX_OK;
+}
+
+static int signs_by_features(int32_t sign)
+{
+    return sign == BVX_SIGN_NORMAL || sign == BVX_SIGN_PSEUDONORMAL;
+}
+
+static bvx_status make_features(bvx_context *ctx, measure_job *job)
+{
+    int const kind = job->o.features ? BVXI_RESULT : BVXI_SCRATCH;
+    uint64_t const n = job->field.value_count;
+    bvx_status status;
+    if (!job->o.features && !signs_by_features(job->field.sign)) return BVX_OK;
+    status = bvxi_alloc(ctx, kind, n * 4, "the field's triangles", &job->triangles);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, kind, n, "the field's features", &job->features);
+    if (job->o.features) {
+        job->field.triangles = job->triangles;
+        job->field.features = job->features;
+    }
+    return status;
+}
+
+static bvx_status make_values(bvx_context *ctx, measure_job *job)
+{
+    bvx_field *const f = &job->field;
+    uint64_t const n = f->row_values[bvxi_grid_rows(&f->band)], number_bytes = f->value_type == BVX_F32 ? 4 : 8;
+    bvxi_nearest_values values;
+    f->value_count = n;
+    if (n > UINT64_MAX / 24) return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %u values are beyond 64 bits", measure_name, n);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * number_bytes, "the field's distances", &f->distances));
+    if (!job->o.no_vectors) BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 3 * number_bytes, "the field's vectors", &f->vectors));
+    BVXI_TRY(make_features(ctx, job));
+    values.value_type = f->value_type;
+    values.vectors = f->vectors;
+    values.distances = f->distances;
+    values.triangles = job->triangles;
+    values.features = job->features;
+    return bvxi_nearest_fill(ctx, measure_stage, 0.35, 0.8, job->nearest, &f->band, f->row_values, &values);
+}
+
+/* ---- inside ---- */
+
+static bvx_status make_inside(bvx_context *ctx, measure_job *job)
+{
+    bvx_field *const f = &job->field;
+    bvxi_sides sides;
+    if (f->sign == BVX_SIGN_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_grid_open(ctx, measure_name, &f->band.lattice, &job->window, &f->inside));
+    if (!signs_by_features(f->sign)) return bvxi_sign_solid(ctx, job->mesh, f->sign, &f->inside);
+    sides.mesh = job->mesh;
+    sides.band = &f->band;
+    sides.first = f->row_values;
+    sides.triangles = job->triangles;
+    sides.features = job->features;
+    return bvxi_sign_features(ctx, measure_name, measure_stage, 0.8, 0.95, job->nearest, f->half_width, &sides, f->sign, &f->inside);
+}
+
+typedef struct negate_job {
+    bvx_field *field;
+    int32_t pieces;
+} negate_job;
+
+static void negate_rows(void *user, int32_t piece, int32_t worker)
+{
+    const negate_job *const job = user;
+    const bvx_field *const f = job->field;
+    uint64_t const words = (uint64_t)f->band.words_per_row;
+    uint64_t row, end;
+    (void)worker;
+    bvxi_piece(bvxi_grid_rows(&f->band), job->pieces, piece, &row, &end);
+    for (; row < end; row++) {
+        uint64_t n = f->row_values[row];
+        for (uint64_t at = row * words; at < (row + 1) * words; at++)
+            for (uint64_t left = f->band.words[at]; left != 0; left &= left - 1, n++) {
+                if ((f->inside.words[at] & left & (0 - left)) == 0) continue;
+                if (f->value_type == BVX_F32) ((float *)f->distances)[n] = -((float *)f->distances)[n];
+                else ((double *)f->distances)[n] = -((double *)f->distances)[n];
+            }
+    }
+}
+
+static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
+{
+    uint64_t const rows = bvxi_grid_rows(&field->band), each = field->value_count / rows;
+    negate_job job;
+    if (field->inside.words == NULL) return BVX_OK;
+    job.field = field;
+    job.pieces = bvxi_piece_count(rows, 1 + MEASURE_GRAIN / (1 + each));
+    return bvxi_parallel(ctx, measure_stage, 0.95, 1.0, job.pieces, negate_rows, &job);
+}
+
+/* ---- all of it ---- */
+
+static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
+{
+    bvx_field *const f = &job->field;
+    f->value_type = job->o.value_type;
+    f->sign = job->o.sign;
+    f->half_width = measure_width(lattice, job->o.half_width);
+    if (f->sign == BVX_SIGN_AUTO) BVXI_TRY(bvxi_sign_auto(ctx, job->mesh, &f->sign));
+    BVXI_TRY(bvxi_nearest_open(ctx, measure_name, measure_stage, 0.0, 0.15, job->mesh, lattice, &job->nearest));
+    BVXI_TRY(make_band(ctx, lattice, job));
+    BVXI_TRY(make_values(ctx, job));
+    BVXI_TRY(make_inside(ctx, job));
+    return negate_inside(ctx, f);
+}
+
+bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                             const bvx_field_options *options, bvx_field *field)
+{
+    measure_job job;
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    memset(&job, 0, sizeof job);
+    BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));
+    status = measure_steps(context, lattice, &job);
+    if (!job.o.features) {
+        bvxi_free(context, job.features, job.field.value_count);
+        bvxi_free(context, job.triangles, job.field.value_count * 4);
+    }
+    bvxi_nearest_close(context, job.nearest);
+    if (status != BVX_OK) bvx_field_free(context, &job.field);
+    else *field = job.field;
+    return status;
+}

@@ -1,0 +1,34 @@
+/* nearest.h - the closest points of a mesh for many centres of voxels at once. Not installed. */
+#ifndef BVXI_NEAREST_H
+#define BVXI_NEAREST_H
+
+#include "core/core.h"
+#include "grid/grid.h"
+
+/* A mesh made ready for questions from the centres of one lattice. Read-only once made. */
+typedef struct bvxi_nearest bvxi_nearest;
+
+/* Where values go: each array may be NULL. Value number first[row] + n belongs to set voxel number n of the row. */
+typedef struct bvxi_nearest_values {
+    int32_t value_type;      /* of vectors and distances: BVX_F32 or BVX_F64 */
+    void *vectors;           /* from the centre to the closest point, x y z [Units: world] */
+    void *distances;         /* not negative [Units: world] */
+    uint32_t *triangles;
+    uint8_t *features;       /* as bvx_closest_point.feature */
+} bvxi_nearest_values;
+
+/* Check the view (finite, indices in range, at least one triangle of area) and make it ready. */
+bvx_status bvxi_nearest_open(bvx_context *ctx, const char *function, const char *stage, double from, double to,
+                             const bvx_mesh_view *mesh, const bvx_lattice *lattice, bvxi_nearest **nearest);
+void bvxi_nearest_close(bvx_context *ctx, bvxi_nearest *nearest);
+
+/* Set the words of band (a grid of the lattice or of a window, zeroed) where the centre lies no further than width [Units: world]
+ * from the mesh, and count each row's: first[row] becomes the number of values before the row [Size: rows + 1]. */
+bvx_status bvxi_nearest_band(bvx_context *ctx, const char *stage, double from, double to, const bvxi_nearest *nearest, double width,
+                             bvx_grid *band, uint64_t *first);
+
+/* The closest points of the set voxels of where: the least (distance squared, triangle number). */
+bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, double to, const bvxi_nearest *nearest,
+                             const bvx_grid *where, const uint64_t *first, const bvxi_nearest_values *values);
+
+#endif

@@ -1,0 +1,156 @@
+/* nearest_fill.c - vectors, distances, triangles and features at the set voxels of a grid.
+ *
+ * A brick's nearest triangles come from what a band remembered, or from a search; then all of its centres are evaluated in
+ * doubles together and each value goes to the rank of its voxel. */
+#include "field/nearest_walk.h"
+#include "mesh/closest_query.h"
+
+#include <math.h>
+
+typedef struct fill_work {
+    const bvxi_nearest *n;
+    const bvx_grid *where;
+    const uint64_t *first;
+    const bvxi_nearest_values *values;
+    bvxi_near_plan plan;
+    bvxi_near_worker *workers;
+    int32_t pieces, remembered; /* 1: the memo is of this window */
+} fill_work;
+
+/* ---- Ranks ---- */
+
+/* Number of the next value of each row of a run of cubes. */
+typedef struct fill_ranks {
+    uint64_t next[BVXI_NEAR_CUBE][BVXI_NEAR_CUBE]; /* z, y */
+} fill_ranks;
+
+static void begin_fill_ranks(const fill_work *w, const bvxi_near_run *r, fill_ranks *ranks)
+{
+    int32_t const words = r->begin * BVXI_NEAR_CUBE / BVXI_WORD_BITS;
+    for (int32_t z = 0; z < BVXI_NEAR_CUBE && r->z * BVXI_NEAR_CUBE + z < w->where->size[2]; z++)
+        for (int32_t y = 0; y < BVXI_NEAR_CUBE && r->y * BVXI_NEAR_CUBE + y < w->where->size[1]; y++) {
+            int32_t const j = r->y * BVXI_NEAR_CUBE + y, k = r->z * BVXI_NEAR_CUBE + z;
+            const uint64_t *const row = bvxi_near_row(w->where, j, k);
+            uint64_t n = w->first[(uint64_t)k * (uint64_t)w->where->size[1] + (uint64_t)j];
+            for (int32_t i = 0; i < words; i++) n += bvxi_popcount(row[i]);
+            ranks->next[z][y] = n;
+        }
+}
+
+/* ---- One brick ---- */
+
+static void put_near_numbers(int32_t type, void *to, uint64_t i, const double *x, int32_t count)
+{
+    for (int32_t k = 0; k < count; k++) {
+        if (type == BVX_F32) ((float *)to)[i * (uint64_t)count + (uint64_t)k] = (float)x[k];
+        else ((double *)to)[i * (uint64_t)count + (uint64_t)k] = x[k];
+    }
+}
+
+/* Value number i is that of pair p. Adding 0 makes one zero of two. */
+static void put_near_value(const fill_work *w, const bvxi_near_pairs *pairs, int32_t p, uint64_t i)
+{
+    const bvxi_nearest_values *const v = w->values;
+    if (v->vectors != NULL) {
+        double d[3];
+        for (int a = 0; a < 3; a++) d[a] = (pairs->closest[a][p] - pairs->point[a][p]) / w->n->scale + 0.0;
+        put_near_numbers(v->value_type, v->vectors, i, d, 3);
+    }
+    if (v->distances != NULL) {
+        double const d = sqrt(pairs->distance2[p]) / w->n->scale;
+        put_near_numbers(v->value_type, v->distances, i, &d, 1);
+    }
+    if (v->triangles != NULL) v->triangles[i] = pairs->triangle[p];
+    if (v->features != NULL) {
+        double t[3][3], point[3], q[3];
+        for (int k = 0; k < 9; k++) t[k / 3][k % 3] = pairs->corner[k][p];
+        for (int a = 0; a < 3; a++) {
+            point[a] = pairs->point[a][p];
+            q[a] = pairs->closest[a][p];
+        }
+        v->features[i] = (uint8_t)bvxi_closest_feature(point, (const double(*)[3])t, q);
+    }
+}
+
+/* Places of a brick: remembered ones, and those of slots that nothing is known of by a search. */
+static void find_fill_places(const fill_work *w, const int32_t cube[3], uint64_t set, const uint32_t *remembered, bvxi_near_worker *worker)
+{
+    uint64_t unknown = 0;
+    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++)
+        unknown |= (uint64_t)(remembered == NULL || remembered[s] == BVXI_NEAR_NONE) << s;
+    unknown &= set;
+    if (unknown != 0) {
+        if (!worker->started) bvxi_near_cube_begin(w->n, cube, HUGE_VAL, worker);
+        worker->started = 1;
+        bvxi_near_brick_find(w->n, unknown, HUGE_VAL, worker);
+    }
+    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++)
+        if ((unknown >> s & 1) == 0 && (set >> s & 1) != 0) worker->place[s] = remembered[s];
+}
+
+static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int32_t first[3], const uint32_t *remembered, fill_ranks *ranks, bvxi_near_worker *worker)
+{
+    uint64_t const set = bvxi_near_slots_of(w->where, first);
+    bvxi_near_pairs *const pairs = &worker->pairs;
+    int32_t index[3];
+    if (set == 0) return;
+    for (int a = 0; a < 3; a++) index[a] = w->where->low[a] + first[a];
+    bvxi_near_brick_begin(w->n, (const int32_t *)index, worker);
+    find_fill_places(w, cube, set, remembered, worker);
+    pairs->count = 0;
+    for (uint64_t m = set; m != 0; m &= m - 1) {
+        int32_t const s = bvxi_lowest(m);
+        double const point[3] = {worker->centre[0][s & 3], worker->centre[1][s >> 2 & 3], worker->centre[2][s >> 4]};
+        bvxi_near_take_pair(pairs, point, worker->place[s], s);
+    }
+    bvxi_near_evaluate(w->n, worker->fast, pairs);
+    for (int32_t p = 0; p < pairs->count; p++) {
+        int32_t const y = first[1] % BVXI_NEAR_CUBE + (pairs->slot[p] >> 2 & 3), z = first[2] % BVXI_NEAR_CUBE + (pairs->slot[p] >> 4);
+        put_near_value(w, pairs, p, ranks->next[z][y]++);
+    }
+}
+
+/* ---- All ---- */
+
+static void fill_near_cube(const fill_work *w, const bvxi_near_run *r, int32_t x, fill_ranks *ranks, bvxi_near_worker *worker)
+{
+    uint32_t slot = BVXI_NEAR_NONE;
+    int32_t const cube[3] = {w->where->low[0] + x * BVXI_NEAR_CUBE, w->where->low[1] + r->y * BVXI_NEAR_CUBE, w->where->low[2] + r->z * BVXI_NEAR_CUBE};
+    worker->started = 0;
+    if (w->remembered) slot = w->n->memo->cube_slot[bvxi_near_cube_number(&w->plan, r, x)];
+    for (int32_t b = 0; b < 64; b++) {
+        int32_t first[3];
+        bvxi_near_brick_first(r, x, b, first);
+        fill_near_brick(w, cube, (const int32_t *)first,
+                        slot == BVXI_NEAR_NONE ? NULL
+                                               : w->n->memo->place + (uint64_t)slot * BVXI_NEAR_CUBE_SLOTS + (uint64_t)b * BVXI_NEAR_SLOTS,
+                        ranks, worker);
+    }
+}
+
+static void fill_near_runs(void *user, int32_t index, int32_t worker)
+{
+    const fill_work *const w = user;
+    uint64_t begin, end;
+    bvxi_piece(bvxi_near_plan_runs(&w->plan), w->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        bvxi_near_run const r = bvxi_near_run_of(&w->plan, i);
+        fill_ranks ranks;
+        begin_fill_ranks(w, &r, &ranks);
+        for (int32_t x = r.begin; x < r.end; x++) fill_near_cube(w, &r, x, &ranks, &w->workers[worker]);
+    }
+}
+
+bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, double to, const bvxi_nearest *nearest,
+                             const bvx_grid *where, const uint64_t *first, const bvxi_nearest_values *values)
+{
+    fill_work w = {nearest, where, first, values, bvxi_near_plan_of(where), NULL, 0, 0};
+    uint64_t const worker_bytes = (uint64_t)bvxi_threads(ctx) * sizeof *w.workers;
+    const bvxi_near_memo *const m = nearest->memo;
+    bvx_status status = bvxi_near_workers(ctx, &w.workers);
+    w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
+    w.remembered = m->cubes != 0 && memcmp(m->low, where->low, sizeof m->low) == 0 && memcmp(m->size, where->size, sizeof m->size) == 0;
+    if (status == BVX_OK) status = bvxi_parallel(ctx, stage, from, to, w.pieces, fill_near_runs, &w);
+    bvxi_free(ctx, w.workers, worker_bytes);
+    return status;
+}

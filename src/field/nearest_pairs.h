@@ -1,0 +1,30 @@
+/* nearest_pairs.h - pairs of a centre and a triangle, evaluated together. Not installed. */
+#ifndef BVXI_NEAREST_PAIRS_H
+#define BVXI_NEAREST_PAIRS_H
+
+#include "field/nearest_tree.h"
+
+enum { BVXI_NEAR_PAIRS = 256 };
+
+/* Coordinates in the units of the evaluation, one array each. */
+typedef struct bvxi_near_pairs {
+    double point[3][BVXI_NEAR_PAIRS], corner[9][BVXI_NEAR_PAIRS];
+    double closest[3][BVXI_NEAR_PAIRS], distance2[BVXI_NEAR_PAIRS]; /* filled by bvxi_near_evaluate */
+    uint32_t triangle[BVXI_NEAR_PAIRS], place[BVXI_NEAR_PAIRS];
+    int32_t slot[BVXI_NEAR_PAIRS]; /* the caller's */
+    int32_t count;
+} bvxi_near_pairs;
+
+/* Take one more pair; there must be room. */
+static inline void bvxi_near_take_pair(bvxi_near_pairs *p, const double point[3], uint32_t place, int32_t slot)
+{
+    int32_t const i = p->count++;
+    p->place[i] = place;
+    p->slot[i] = slot;
+    for (int a = 0; a < 3; a++) p->point[a][i] = point[a];
+}
+
+/* Closest points and squared distances of all pairs, to the bit those of bvxi_closest_on_triangle (zeros may differ in sign). */
+void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pairs);
+
+#endif

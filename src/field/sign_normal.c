@@ -1,0 +1,39 @@
+/* sign_normal.c - inside by the plane of the closest triangle.
+ *
+ * Source: "Model repair by a vector distance field". Where an edge or a corner is closest, several triangles are at one distance
+ * and the one of least number decides, whose plane may have the centre on its wrong side: sign_pseudonormal.c mends that. It is
+ * here because it is the paper's rule. A triangle without area has no side: what is closest to it is outside. */
+#include "field/signs.h"
+#include "mesh/facet.h"
+#include "mesh/scale.h"
+#include "mesh/view.h"
+
+typedef struct normal_rule {
+    const bvx_mesh_view *mesh;
+    double scale; /* power of two, so that products neither vanish nor overflow */
+} normal_rule;
+
+static void outwards_of_facet(const void *user, uint32_t triangle, int32_t feature, double outwards[3])
+{
+    const normal_rule *const rule = user;
+    double t[3][3];
+    uint32_t c[3];
+    (void)feature;
+    bvxi_view_triangle(rule->mesh, triangle, c);
+    for (int k = 0; k < 3; k++) {
+        bvxi_view_position(rule->mesh, c[k], t[k]);
+        for (int a = 0; a < 3; a++) t[k][a] *= rule->scale;
+    }
+    bvxi_facet_normal((const double(*)[3])t, outwards);
+}
+
+bvx_status bvxi_sign_normal(bvx_context *ctx, const char *function, const char *stage, double from, double to, const bvxi_sides *sides,
+                            bvx_grid *inside)
+{
+    normal_rule rule;
+    double low[3], high[3];
+    BVXI_TRY(bvxi_view_bounds(ctx, function, sides->mesh, low, high));
+    rule.mesh = sides->mesh;
+    rule.scale = bvxi_unit_scale(low, high);
+    return bvxi_sign_side(ctx, function, stage, from, to, sides, outwards_of_facet, &rule, inside);
+}

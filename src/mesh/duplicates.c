@@ -1,0 +1,49 @@
+/* duplicates.c - triangles that are there once.
+ *
+ * Triangles enter an open table by their three places in rising order; one that is there already is left out. Places are
+ * compared, never hashes alone, and triangles come in their own order, so the first of several stays. */
+#include "mesh/pieces.h"
+#include "mesh/view.h"
+
+/* The places of a triangle, least first. */
+static void places_of_triangle(const uint32_t *representative, const uint32_t corner[3], uint32_t place[3])
+{
+    uint32_t const a = representative[corner[0]], b = representative[corner[1]], c = representative[corner[2]];
+    uint32_t const low = a < b ? a : b, high = a < b ? b : a;
+    place[0] = low < c ? low : c;
+    place[2] = high > c ? high : c;
+    place[1] = c <= low ? low : c >= high ? high : c;
+}
+
+static uint64_t hash_of_places(const uint32_t place[3])
+{
+    uint64_t h = ((uint64_t)place[0] << 32 | place[1]) * UINT64_C(0x9e3779b97f4a7c15);
+    h = (h ^ h >> 32 ^ place[2]) * UINT64_C(0xbf58476d1ce4e5b9);
+    return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
+}
+
+bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner,
+                                uint64_t *kept)
+{
+    uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
+    uint64_t count = 0;
+    uint32_t *table; /* a kept triangle's number plus 1, or 0 */
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the triangles' table", &table));
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        uint32_t *const mine = corner + 3 * count;
+        uint32_t place[3], other[3];
+        uint64_t slot;
+        bvxi_view_triangle(view, t, mine);
+        places_of_triangle(representative, mine, place);
+        if (place[0] == place[1] || place[1] == place[2]) continue;
+        for (slot = hash_of_places(place) * size >> 31; table[slot] != 0; slot = slot + 1 == size ? 0 : slot + 1) {
+            places_of_triangle(representative, corner + 3 * ((uint64_t)table[slot] - 1), other);
+            if (memcmp(place, other, sizeof place) == 0) break;
+        }
+        if (table[slot] != 0) continue;
+        table[slot] = (uint32_t)++count;
+    }
+    bvxi_free(ctx, table, size * sizeof *table);
+    *kept = count;
+    return BVX_OK;
+}

@@ -1,0 +1,149 @@
+/* repair.c - any mesh in, a closed manifold oriented mesh out: bvx_repair.
+ *
+ * Source: "Model repair by a vector distance field": the mesh is measured from the centres of voxels, and marching cubes put the
+ * surface back between inside and outside centres, where the vectors to the closest points say. Here the sides come from the
+ * solid's exact rules with a smooth lid over holes, so no hole is too wide, and only the centres next to the surface are
+ * measured. What encloses nothing becomes a shell.
+ * Guarantee: that of marching cubes on bits (march.c), whatever the input. */
+#include "pipeline/repair.h"
+#include "mesh/view.h"
+
+#include <math.h>
+
+const char bvxi_repair_name[] = "bvx_repair";
+
+static const bvx_repair_options repair_defaults = {0, NULL, 256, BVX_SIGN_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, 0, BVX_F32, 0, 0,
+                                                   2.0, 0, 0, 0, 100000, NULL, {0, 0}};
+
+void bvx_repair_options_init(bvx_repair_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &repair_defaults, sizeof repair_defaults);
+}
+
+static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_options *o)
+{
+    if (o->sign < BVX_SIGN_AUTO || o->sign > BVX_SIGN_VOTE)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sign %d is none of BVX_SIGN_AUTO .. BVX_SIGN_VOTE", bvxi_repair_name, (int64_t)o->sign);
+    if (o->sign == BVX_SIGN_NORMAL || o->sign == BVX_SIGN_PSEUDONORMAL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: signs by normals are wrong beyond holes; take auto, exact, winding or vote", bvxi_repair_name);
+    if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: interpolation %d is unknown", bvxi_repair_name, (int64_t)o->interpolation);
+    if (((o->sharp | o->measure) & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp and measure are 0 or 1", bvxi_repair_name);
+    if (!(o->shell == 0 || (o->shell >= 1.5 && o->shell <= 1e6)))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a shell of %g voxels; it is 0 for none, or from 1.5 to 10^6", bvxi_repair_name, o->shell);
+    if (o->measure && (o->measure_samples < 1 || o->measure_samples > INT32_MAX))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %u samples to measure with; 1 to 2^31 - 1 are possible", bvxi_repair_name, o->measure_samples);
+    if ((o->reserved[0] | o->reserved[1]) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", bvxi_repair_name);
+    return BVX_OK;
+}
+
+static bvx_status check_repair_lattice(bvx_context *ctx, const bvx_repair_options *o)
+{
+    if (o->lattice != NULL) {
+        if (o->target_triangles != 0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_triangles looks for a resolution, lattice gives one; take one of the two",
+                             bvxi_repair_name);
+        return bvxi_lattice_check(ctx, bvxi_repair_name, o->lattice);
+    }
+    if (o->resolution < 1 || o->resolution > 1 << 24)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a resolution of %d; 1 to 2^24 are possible", bvxi_repair_name, (int64_t)o->resolution);
+    return BVX_OK;
+}
+
+/* ---- The resolution for a triangle count ---- */
+
+static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *triangles)
+{
+    bvx_extract_options o;
+    uint64_t vertices;
+    BVXI_TRY(bvxi_repair_lattice(job, resolution));
+    BVXI_TRY(bvxi_repair_inside(job));
+    bvx_extract_options_init(&o, sizeof o);
+    o.face_rule = job->options->face_rule;
+    o.position_type = BVX_F64;
+    job->report.searched++;
+    return bvx_extract_count(job->ctx, &job->inside, &o, &vertices, triangles);
+}
+
+/* Triangles grow as the square of the resolution; from the middle when that has stopped helping. */
+static int32_t next_guess(int32_t low, int32_t high, uint64_t high_count, uint64_t target, uint64_t tries)
+{
+    int32_t guess = low + (high - low) / 2;
+    if (tries < 5 && high_count != 0) guess = (int32_t)((double)high * sqrt((double)target / (double)high_count));
+    return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
+}
+
+/* The largest resolution that a bisection finds to keep the target; job is then left at another one. */
+static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
+{
+    uint64_t const target = job->options->target_triangles;
+    int32_t low = 0, high = job->options->resolution;
+    uint64_t high_count, low_count = 0;
+    BVXI_TRY(count_at(job, high, &high_count));
+    if (high_count <= target) {
+        *resolution = high;
+        return BVX_OK;
+    }
+    for (uint64_t tries = 0; high - low > 1; tries++) {
+        int32_t const guess = next_guess(low, high, high_count, target, tries);
+        uint64_t count;
+        BVXI_TRY(count_at(job, guess, &count));
+        if (count <= target) {
+            low = guess;
+            low_count = count;
+        } else {
+            high = guess;
+            high_count = count;
+        }
+    }
+    if (low_count == 0)
+        return bvxi_fail(job->ctx, BVX_ERR_RANGE, "%s: at most %u triangles are asked for; resolution %d has %u, and those below keep nothing",
+                         bvxi_repair_name, target, (int64_t)high, high_count);
+    *resolution = low;
+    return BVX_OK;
+}
+
+/* ---- */
+
+static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
+{
+    int32_t resolution = job->options->resolution;
+    uint64_t voxels;
+    BVXI_TRY(bvxi_repair_take(job));
+    if (job->options->target_triangles != 0) BVXI_TRY(search_repair(job, &resolution));
+    BVXI_TRY(bvxi_repair_lattice(job, resolution));
+    BVXI_TRY(bvxi_repair_inside(job));
+    BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
+    if (voxels == 0)
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: nothing is left at %d x %d x %d voxels: %s", bvxi_repair_name,
+                         (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1], (int64_t)job->lattice.dims[2],
+                         job->report.parts_dropped != 0 ? "every part is below least_part"
+                                                        : "the mesh encloses no centre; take a higher resolution, or allow shells");
+    BVXI_TRY(bvxi_repair_surface(job, repaired));
+    if (job->options->report == NULL) return BVX_OK;
+    return bvxi_repair_measure(job, repaired);
+}
+
+bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired)
+{
+    bvx_repair_options o = repair_defaults;
+    bvxi_repair_job job;
+    bvx_status status;
+    int mine;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (repaired == NULL) return bvxi_fail_null(context, bvxi_repair_name, "repaired");
+    BVXI_TRY(bvxi_take_options(context, bvxi_repair_name, options, &o, sizeof o));
+    BVXI_TRY(bvxi_view_check(context, bvxi_repair_name, mesh));
+    BVXI_TRY(check_repair_choices(context, &o));
+    BVXI_TRY(check_repair_lattice(context, &o));
+    memset(&job, 0, sizeof job);
+    job.ctx = context;
+    job.options = &o;
+    job.given = mesh;
+    mine = repaired->positions == NULL;
+    status = repair_steps(&job, repaired);
+    bvxi_repair_let_go(&job);
+    if (status == BVX_OK && o.report != NULL) *o.report = job.report;
+    if (status != BVX_OK && mine) bvx_mesh_free(context, repaired);
+    return status;
+}

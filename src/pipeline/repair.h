@@ -1,0 +1,53 @@
+/* repair.h - one mesh on its way to a closed one; shared by the files of bvx_repair. Not installed. */
+#ifndef BVXI_REPAIR_H
+#define BVXI_REPAIR_H
+
+#include "grid/grid.h"
+#include "voxelize/winding.h"
+
+typedef struct bvxi_repair_job {
+    bvx_context *ctx;
+    const bvx_repair_options *options;
+    const bvx_mesh_view *given;
+    bvx_mesh_view mesh;      /* given, without triangles that are there twice */
+    bvx_mesh_view body;      /* of these, those that enclose something */
+    bvx_mesh_view sheets;    /* and those that do not, which become shells */
+    uint32_t *corner;        /* mesh's [Size: given->triangle_count * 3], or NULL: mesh is given */
+    uint32_t *parted;        /* body's, then sheets', or NULL: body is mesh [Size: mesh.triangle_count * 3] */
+    uint32_t *piece;         /* of each vertex: the least one that it hangs together with, or NULL [Size: given->vertex_count] */
+    bvx_lattice lattice;
+    bvx_grid solid;          /* what body encloses; without words before the first, as inside */
+    bvx_grid inside;         /* the result: solid and shells, less small parts and cavities */
+    uint64_t grid_bytes;     /* of the words of each */
+    bvxi_winding *winding;   /* while the surface is made: for lids over holes */
+    int32_t fill;            /* BVX_FILL_... that the sign stands for */
+    bvx_repair_report report;
+} bvxi_repair_job;
+
+extern const char bvxi_repair_name[];
+
+/* repair_input.c: what the mesh is, its sign, its triangles once each, its pieces. */
+bvx_status bvxi_repair_take(bvxi_repair_job *job);
+void bvxi_repair_let_go(bvxi_repair_job *job);
+
+/* repair_lattice.c: the lattice of a resolution, or the one that was given. */
+bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution);
+
+/* repair_inside.c: solid and inside on job->lattice; grids of an earlier call are replaced. */
+bvx_status bvxi_repair_inside(bvxi_repair_job *job);
+
+/* repair_sheets.c: part mesh into body and sheets by what job->solid, the solid of all of it, keeps of each piece. */
+bvx_status bvxi_repair_part(bvxi_repair_job *job);
+/* Put to inside what lies within half the shell's thickness of the sheets. */
+bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job);
+
+/* repair_parts.c: drop small parts of inside and fill small cavities; count all. */
+bvx_status bvxi_repair_clean(bvxi_repair_job *job);
+
+/* repair_surface.c: the surface of inside. */
+bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired);
+
+/* repair_report.c: what the report says beyond what the steps have counted. */
+bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired);
+
+#endif

@@ -1,0 +1,43 @@
+/* repair_inside.c - which centres lie inside the repaired body: the sign rule's solid, and shells where it has nothing. */
+#include "pipeline/repair.h"
+
+static bvx_status open_scratch_grid(bvxi_repair_job *job, bvx_grid *grid)
+{
+    uint64_t *words;
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the solid", &words));
+    grid->words = words;
+    grid->word_capacity = job->grid_bytes / 8;
+    return BVX_OK;
+}
+
+static bvx_status open_grids(bvxi_repair_job *job)
+{
+    bvxi_free(job->ctx, job->inside.words, job->grid_bytes);
+    bvxi_free(job->ctx, job->solid.words, job->grid_bytes);
+    memset(&job->inside, 0, sizeof job->inside);
+    memset(&job->solid, 0, sizeof job->solid);
+    job->grid_bytes = bvx_grid_bound(&job->lattice, NULL) * 8;
+    BVXI_TRY(open_scratch_grid(job, &job->solid));
+    return open_scratch_grid(job, &job->inside);
+}
+
+static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
+{
+    bvx_voxelize_options o;
+    if (mesh->triangle_count == 0) return bvx_grid_create(job->ctx, &job->lattice, NULL, &job->solid);
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = job->fill;
+    return bvx_voxelize_solid(job->ctx, mesh, &job->lattice, &o, &job->solid);
+}
+
+bvx_status bvxi_repair_inside(bvxi_repair_job *job)
+{
+    BVXI_TRY(open_grids(job));
+    BVXI_TRY(fill_solid(job, &job->mesh));
+    BVXI_TRY(bvxi_repair_part(job));
+    if (job->sheets.triangle_count != 0) BVXI_TRY(fill_solid(job, &job->body));
+    BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->inside));
+    memcpy(job->inside.words, job->solid.words, (size_t)job->grid_bytes);
+    if (job->sheets.triangle_count != 0) BVXI_TRY(bvxi_repair_lay_shells(job));
+    return bvxi_repair_clean(job);
+}

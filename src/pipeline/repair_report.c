@@ -1,0 +1,153 @@
+/* repair_report.c - what a repair found and how near it stayed: holes, overlaps, distances.
+ *
+ * Triangles over holes are those with a vertex further than a voxel from the input: beyond half a voxel's diagonal no crossing next
+ * to the input's surface lies. */
+#include "mesh/closest_query.h"
+#include "mesh/view.h"
+#include "pipeline/repair.h"
+#include "voxelize/holes.h"
+
+#include <math.h>
+
+static void measure_loops(bvxi_repair_job *job, const bvxi_holes *holes)
+{
+    uint64_t begin = 0;
+    job->report.holes = holes->loops;
+    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
+        double length = 0;
+        for (uint64_t i = begin; i < holes->loop_end[l]; i++) {
+            uint64_t const next = i + 1 == holes->loop_end[l] ? begin : i + 1;
+            double p[3], q[3], sum = 0;
+            bvxi_view_position(&job->mesh, holes->vertex[i], p);
+            bvxi_view_position(&job->mesh, holes->vertex[next], q);
+            for (int a = 0; a < 3; a++) sum += (q[a] - p[a]) * (q[a] - p[a]);
+            length += sqrt(sum);
+        }
+        job->report.hole_length += length;
+        if (length > job->report.longest_hole) job->report.longest_hole = length;
+    }
+}
+
+static bvx_status find_holes(bvxi_repair_job *job)
+{
+    bvxi_snapped snapped;
+    bvxi_holes holes;
+    bvx_status status;
+    BVXI_TRY(bvxi_snap(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, &snapped));
+    status = bvxi_holes_open(job->ctx, &job->mesh, &snapped, &holes);
+    if (status == BVX_OK) {
+        measure_loops(job, &holes);
+        bvxi_holes_close(job->ctx, &holes);
+    }
+    bvxi_snap_free(job->ctx, &snapped);
+    return status;
+}
+
+/* Voxels where the winding number is nearest to an even number but 0: what WINDING has and VOTE has not. */
+static bvx_status count_overlaps(bvxi_repair_job *job)
+{
+    bvx_voxelize_options o;
+    bvx_grid grid[2];
+    bvx_status status = BVX_OK;
+    memset(grid, 0, sizeof grid);
+    bvx_voxelize_options_init(&o, sizeof o);
+    for (int i = 0; i < 2 && status == BVX_OK; i++) {
+        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the overlaps", &grid[i].words);
+        grid[i].word_capacity = job->grid_bytes / 8;
+        o.fill = i == 0 ? BVX_FILL_VOTE : BVX_FILL_WINDING;
+        if (status == BVX_OK) status = bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i]);
+    }
+    for (uint64_t i = 0; i < job->grid_bytes / 8 && status == BVX_OK; i++)
+        job->report.overlaps += bvxi_popcount(grid[1].words[i] & ~grid[0].words[i]);
+    bvxi_free(job->ctx, grid[1].words, job->grid_bytes);
+    bvxi_free(job->ctx, grid[0].words, job->grid_bytes);
+    return status;
+}
+
+/* far[v] of the result: 1 when it stands off the input. */
+static bvx_status find_far_vertices(bvxi_repair_job *job, const bvx_mesh_view *result, uint8_t *far)
+{
+    const double *const h = job->lattice.spacing;
+    double const most = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) * 0.6;
+    bvx_closest closest;
+    uint32_t hint = 0;
+    BVXI_TRY(bvxi_closest_open(job->ctx, bvxi_repair_name, "measure", 0.0, 0.1, &job->mesh, &closest));
+    for (uint64_t v = 0; v < result->vertex_count; v++) {
+        bvx_closest_point found;
+        double p[3];
+        bvxi_view_position(result, v, p);
+        bvxi_closest_ask(&closest, p, &hint, &found);
+        far[v] = found.distance > most;
+    }
+    bvxi_closest_shut(job->ctx, &closest);
+    return BVX_OK;
+}
+
+static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *result)
+{
+    bvx_mesh_view near = *result;
+    bvx_distance_report report;
+    uint32_t *corner = NULL;
+    uint8_t *far = NULL;
+    bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count, "the vertices over holes", &far);
+    if (status == BVX_OK) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->triangle_count * 12, "the triangles off holes", &corner);
+    if (status == BVX_OK) status = find_far_vertices(job, result, far);
+    if (status == BVX_OK) {
+        near.triangle_count = 0;
+        for (uint64_t t = 0; t < result->triangle_count; t++) {
+            uint32_t *const c = corner + 3 * near.triangle_count;
+            bvxi_view_triangle(result, t, c);
+            near.triangle_count += (uint64_t)(!far[c[0]] && !far[c[1]] && !far[c[2]]);
+        }
+        near.indices = corner;
+        near.index_type = BVX_U32;
+        near.index_stride = 0;
+        if (near.triangle_count != 0) {
+            status = bvx_mesh_distance(job->ctx, &near, &job->mesh, job->options->measure_samples, 1, &report);
+            if (status == BVX_OK) {
+                job->report.mean_off_caps = report.mean_a_to_b;
+                job->report.max_off_caps = report.max_a_to_b;
+            }
+        }
+    }
+    bvxi_free(job->ctx, corner, result->triangle_count * 12);
+    bvxi_free(job->ctx, far, result->vertex_count);
+    return status;
+}
+
+/* result with its frame added, in new positions. */
+static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, double *world, bvx_mesh_view *result)
+{
+    double p[3];
+    for (uint64_t v = 0; v < result->vertex_count; v++) {
+        bvxi_view_position(result, v, p);
+        for (uint64_t a = 0; a < 3; a++) world[3 * v + a] = p[a] + repaired->frame[a];
+    }
+    result->positions = world;
+    result->position_type = BVX_F64;
+    result->position_stride = 0;
+    return bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1, &job->report.distance);
+}
+
+static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repaired, bvx_mesh_view *result)
+{
+    double *world;
+    bvx_status status;
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count * 24, "the result's places", &world));
+    status = move_result(job, repaired, world, result);
+    if (status == BVX_OK) status = measure_off_caps(job, result);
+    bvxi_free(job->ctx, world, result->vertex_count * 24);
+    return status;
+}
+
+bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
+{
+    bvx_mesh_view result;
+    bvx_mesh_view_of(repaired, &result);
+    job->report.lattice = job->lattice;
+    BVXI_TRY(bvx_mesh_check(job->ctx, &result, 0, &job->report.after));
+    if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges != 0) BVXI_TRY(find_holes(job));
+    if (!job->options->measure) return BVX_OK;
+    BVXI_TRY(count_overlaps(job));
+    return measure_distances(job, repaired, &result);
+}

@@ -1,0 +1,195 @@
+/* repair_sheets.c - which pieces of a mesh enclose nothing, and the shells that they become.
+ *
+ * A piece is a sheet when a lid over its holes would be nearly as large as itself (terrain: a lid of 0.7 of its area or more), or when
+ * the solid has no voxel close behind most of its area, on either side: walls thinner than a voxel, surfaces that lie in
+ * themselves. The lid is measured by the vector area of each loop of open edges, which no way of closing it can fall below.
+ * A shell is what lies within half its thickness of the sheets: closed for any sheet.
+ * Guarantee: sums go by triangle, so the answer follows from the mesh and the lattice alone. */
+#include "field/nearest.h"
+#include "mesh/view.h"
+#include "pipeline/repair.h"
+#include "voxelize/holes.h"
+
+#include <math.h>
+
+#define SHEET_LID 0.7  /* of a piece's area */
+#define SHEET_KEPT 0.5 /* of a piece's area */
+
+/* What a piece is like, by its least vertex. */
+typedef struct piece_sums {
+    double area, kept, lid;
+} piece_sums;
+
+static double vector_length(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+static void cross_of_triangle(const double p[3][3], double n[3])
+{
+    double u[3], v[3];
+    for (int a = 0; a < 3; a++) {
+        u[a] = p[1][a] - p[0][a];
+        v[a] = p[2][a] - p[0][a];
+    }
+    n[0] = u[1] * v[2] - u[2] * v[1];
+    n[1] = u[2] * v[0] - u[0] * v[2];
+    n[2] = u[0] * v[1] - u[1] * v[0];
+}
+
+/* 1 when the voxel that holds a place is set. */
+static int is_set_at(const bvx_grid *solid, const double p[3])
+{
+    int32_t v[3];
+    for (int a = 0; a < 3; a++) {
+        double const at = (p[a] - solid->lattice.origin[a]) / solid->lattice.spacing[a];
+        if (!(at >= 0 && at < (double)solid->size[a])) return 0;
+        v[a] = (int32_t)at;
+    }
+    return bvx_grid_get(solid, v[0], v[1], v[2]);
+}
+
+/* Is there solid half a voxel or a voxel behind a triangle's middle, on either side? */
+static int has_solid_behind(const bvx_grid *solid, const double p[3][3], const double n[3], double length)
+{
+    static const double depth[4] = {-0.5, -1.0, 0.5, 1.0};
+    const double *const h = solid->lattice.spacing;
+    double const step = h[0] > h[1] ? (h[0] > h[2] ? h[0] : h[2]) : (h[1] > h[2] ? h[1] : h[2]);
+    double at[3];
+    for (int d = 0; d < 4; d++) {
+        for (int a = 0; a < 3; a++) at[a] = (p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * (depth[d] * step);
+        if (is_set_at(solid, at)) return 1;
+    }
+    return 0;
+}
+
+static void corners_of_triangle(const bvx_mesh_view *mesh, uint64_t t, uint32_t c[3], double p[3][3])
+{
+    bvxi_view_triangle(mesh, t, c);
+    for (int k = 0; k < 3; k++) bvxi_view_position(mesh, c[k], p[k]);
+}
+
+static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
+{
+    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
+        double p[3][3], n[3], length;
+        uint32_t c[3];
+        corners_of_triangle(&job->mesh, t, c, p);
+        cross_of_triangle((const double(*)[3])p, n);
+        length = vector_length(n);
+        if (!(length > 0)) continue;
+        sums[job->piece[c[0]]].area += 0.5 * length;
+        if (has_solid_behind(&job->solid, (const double(*)[3])p, n, length)) sums[job->piece[c[0]]].kept += 0.5 * length;
+    }
+}
+
+/* The loops' vector areas go to their pieces. */
+static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, piece_sums *sums)
+{
+    uint64_t begin = 0;
+    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
+        double first[3], sum[3] = {0, 0, 0};
+        bvxi_view_position(&job->mesh, holes->vertex[begin], first);
+        for (uint64_t i = begin + 1; i + 1 < holes->loop_end[l]; i++) {
+            double p[3][3], n[3];
+            memcpy(p[0], first, sizeof first);
+            bvxi_view_position(&job->mesh, holes->vertex[i], p[1]);
+            bvxi_view_position(&job->mesh, holes->vertex[i + 1], p[2]);
+            cross_of_triangle((const double(*)[3])p, n);
+            for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];
+        }
+        sums[job->piece[holes->vertex[begin]]].lid += vector_length(sum);
+    }
+}
+
+static bvx_status sum_lids(bvxi_repair_job *job, piece_sums *sums)
+{
+    bvxi_snapped snapped;
+    bvxi_holes holes;
+    bvx_status status;
+    if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0) return BVX_OK;
+    BVXI_TRY(bvxi_snap(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, &snapped));
+    status = bvxi_holes_open(job->ctx, &job->mesh, &snapped, &holes);
+    if (status == BVX_OK) sum_loops(job, &holes, sums);
+    if (status == BVX_OK) bvxi_holes_close(job->ctx, &holes);
+    bvxi_snap_free(job->ctx, &snapped);
+    return status;
+}
+
+static int is_sheet(const piece_sums *s)
+{
+    return s->area > 0 && (s->lid >= SHEET_LID * s->area || s->kept < SHEET_KEPT * s->area);
+}
+
+static void set_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count, bvx_mesh_view *view)
+{
+    *view = *job->given;
+    view->indices = corner;
+    view->index_type = BVX_U32;
+    view->index_stride = 0;
+    view->triangle_count = count;
+}
+
+/* Triangles of bodies first, those of sheets last; pieces without area are left out. */
+static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums, uint64_t sheet_triangles)
+{
+    uint64_t const sheets = job->mesh.triangle_count - sheet_triangles;
+    uint64_t next[2] = {0, sheets};
+    uint32_t c[3];
+    if (job->parted == NULL)
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->mesh.triangle_count * 12, "the triangles of sheets", &job->parted));
+    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
+        const piece_sums *piece;
+        bvxi_view_triangle(&job->mesh, t, c);
+        piece = &sums[job->piece[c[0]]];
+        if (piece->area > 0) memcpy(job->parted + 3 * next[is_sheet(piece)]++, c, sizeof c);
+    }
+    set_view(job, job->parted, next[0], &job->body);
+    set_view(job, job->parted + 3 * sheets, sheet_triangles, &job->sheets);
+    return BVX_OK;
+}
+
+bvx_status bvxi_repair_part(bvxi_repair_job *job)
+{
+    uint64_t const bytes = job->given->vertex_count * sizeof(piece_sums);
+    uint64_t sheet_triangles = 0;
+    piece_sums *sums;
+    bvx_status status;
+    uint32_t c[3];
+    job->body = job->mesh;
+    memset(&job->sheets, 0, sizeof job->sheets);
+    if (job->options->shell == 0) return BVX_OK;
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the pieces' areas", &sums));
+    sum_areas(job, sums);
+    status = sum_lids(job, sums);
+    for (uint64_t t = 0; t < job->mesh.triangle_count && status == BVX_OK; t++) {
+        bvxi_view_triangle(&job->mesh, t, c);
+        sheet_triangles += (uint64_t)is_sheet(&sums[job->piece[c[0]]]);
+    }
+    if (status == BVX_OK && sheet_triangles != 0) status = list_parted(job, sums, sheet_triangles);
+    bvxi_free(job->ctx, sums, bytes);
+    job->report.shelled_triangles = sheet_triangles;
+    job->report.shelled = sheet_triangles != 0;
+    return status;
+}
+
+bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job)
+{
+    const double *const h = job->lattice.spacing;
+    double const most = h[0] > h[1] ? (h[0] > h[2] ? h[0] : h[2]) : (h[1] > h[2] ? h[1] : h[2]);
+    uint64_t const words = job->grid_bytes / 8, rows = bvxi_grid_rows(&job->inside);
+    bvxi_nearest *nearest = NULL;
+    uint64_t *first = NULL;
+    bvx_grid band = job->inside;
+    bvx_status status;
+    BVXI_TRY(bvxi_nearest_open(job->ctx, bvxi_repair_name, "shells", 0.0, 0.3, &job->sheets, &job->lattice, &nearest));
+    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the shells", &band.words);
+    if (status == BVX_OK) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the shells' rows", &first);
+    if (status == BVX_OK)
+        status = bvxi_nearest_band(job->ctx, "shells", 0.3, 1.0, nearest, 0.5 * job->options->shell * most, &band, first);
+    for (uint64_t i = 0; i < words && status == BVX_OK; i++) job->inside.words[i] |= band.words[i];
+    bvxi_free(job->ctx, first, (rows + 1) * 8);
+    if (band.words != job->inside.words) bvxi_free(job->ctx, band.words, job->grid_bytes);
+    bvxi_nearest_close(job->ctx, nearest);
+    return status;
+}

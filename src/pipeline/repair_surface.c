@@ -1,0 +1,208 @@
+/* repair_surface.c - the surface of a repaired body: closest points at the ends of crossed edges, marching cubes between them.
+ *
+ * Only centres with a neighbour on the other side are measured. Where there are shells, a centre takes what is nearer of the body's
+ * surface and the shell's: the union of both. Edges that no triangle comes near are crossed by a lid over a hole, and the winding
+ * number says where. */
+#include "field/nearest.h"
+#include "pipeline/repair.h"
+#include "surface/field_surface.h"
+
+#include <math.h>
+
+/* What is measured, in doubles. */
+typedef struct repair_values {
+    bvx_grid where;
+    uint64_t *first;      /* [Size: rows + 1] */
+    double *vectors;      /* [Size: count * 3] */
+    double *distances;
+    uint32_t *triangles;  /* sharp: of job->given's order of job->body */
+    uint64_t rows, count;
+} repair_values;
+
+/* ---- Ends of crossed edges ---- */
+
+static void mark_differences(uint64_t *where, const uint64_t *inside, size_t words, size_t step)
+{
+    for (size_t i = 0; i + step < words; i++) {
+        uint64_t const d = inside[i] ^ inside[i + step];
+        where[i] |= d;
+        where[i + step] |= d;
+    }
+}
+
+/* Centres with a neighbour on the other side; the window's sides count as outside. */
+static void mark_row_ends(const bvx_grid *g, const uint64_t *row, uint64_t *where)
+{
+    for (int32_t k = 0; k < g->words_per_row; k++) {
+        uint64_t const before = row[k] << 1 | (k > 0 ? row[k - 1] >> 63 : 0);
+        uint64_t const behind = row[k] >> 1 | (k + 1 < g->words_per_row ? row[k + 1] << 63 : 0);
+        where[k] |= (row[k] ^ before) | (row[k] ^ behind);
+    }
+    where[g->words_per_row - 1] &= bvxi_tail_mask(g->size[0]);
+}
+
+static void mark_ends(const bvx_grid *inside, bvx_grid *where)
+{
+    size_t const row = (size_t)inside->words_per_row, slice = row * (size_t)inside->size[1], all = slice * (size_t)inside->size[2];
+    memset(where->words, 0, all * 8);
+    for (size_t z = 0; z < (size_t)inside->size[2]; z++) mark_differences(where->words + z * slice, inside->words + z * slice, slice, row);
+    mark_differences(where->words, inside->words, all, slice);
+    for (size_t r = 0; r < all / row; r++) mark_row_ends(inside, inside->words + r * row, where->words + r * row);
+}
+
+static void count_rows(repair_values *v)
+{
+    size_t const words = (size_t)v->where.words_per_row;
+    v->count = 0;
+    for (uint64_t r = 0; r < v->rows; r++) {
+        v->first[r] = v->count;
+        for (size_t k = 0; k < words; k++) v->count += bvxi_popcount(v->where.words[(size_t)r * words + k]);
+    }
+    v->first[v->rows] = v->count;
+}
+
+/* ---- Closest points ---- */
+
+static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, const bvx_mesh_view *mesh, double *vectors, double *distances,
+                               uint32_t *triangles, double from, double to)
+{
+    double const part = from + (to - from) * 0.3;
+    bvxi_nearest_values out;
+    bvxi_nearest *nearest = NULL;
+    bvx_status status;
+    memset(&out, 0, sizeof out);
+    out.value_type = BVX_F64;
+    out.vectors = vectors;
+    out.distances = distances;
+    out.triangles = triangles;
+    BVXI_TRY(bvxi_nearest_open(job->ctx, bvxi_repair_name, "measure", from, part, mesh, &job->lattice, &nearest));
+    status = bvxi_nearest_fill(job->ctx, "measure", part, to, nearest, &v->where, v->first, &out);
+    bvxi_nearest_close(job->ctx, nearest);
+    return status;
+}
+
+static double shell_spacing(const bvx_lattice *l)
+{
+    double const a = l->spacing[0] > l->spacing[1] ? l->spacing[0] : l->spacing[1];
+    return a > l->spacing[2] ? a : l->spacing[2];
+}
+
+/* The shell's surface lies half its thickness off the sheet, along the way to the sheet. */
+static void shell_value(double thick, double vector[3], double *distance)
+{
+    double const d = *distance, scale = d > 0 ? (d - thick) / d : 0;
+    for (int a = 0; a < 3; a++) vector[a] *= scale;
+    *distance = d - thick;
+}
+
+/* The union of body and shell: signed distances, the lesser one's value. */
+static void join_values(const bvxi_repair_job *job, repair_values *v, const double *vectors, const double *distances)
+{
+    double const thick = 0.5 * job->options->shell * shell_spacing(&job->lattice);
+    size_t const words = (size_t)v->where.words_per_row;
+    uint64_t n = 0;
+    for (size_t i = 0; i < words * (size_t)v->rows; i++)
+        for (uint64_t bits = v->where.words[i]; bits != 0; bits &= bits - 1, n++) {
+            int const inside = (int)(job->solid.words[i] >> bvxi_lowest(bits) & 1);
+            double const body = job->body.triangle_count == 0 ? 1e300 : inside ? -v->distances[n] : v->distances[n];
+            double shell[3], distance = distances[n];
+            memcpy(shell, vectors + 3 * n, sizeof shell);
+            shell_value(thick, shell, &distance);
+            if (body <= distance) continue;
+            memcpy(v->vectors + 3 * n, shell, sizeof shell);
+            v->distances[n] = distance;
+        }
+}
+
+static bvx_status measure_with_shells(bvxi_repair_job *job, repair_values *v)
+{
+    double *vectors = NULL, *distances = NULL;
+    bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, v->count * 24, "the vectors to sheets", &vectors);
+    if (status == BVX_OK) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, v->count * 8, "the distances to sheets", &distances);
+    if (status == BVX_OK) status = measure_mesh(job, v, &job->sheets, vectors, distances, NULL, 0.5, 1.0);
+    if (status == BVX_OK) join_values(job, v, vectors, distances);
+    bvxi_free(job->ctx, distances, v->count * 8);
+    bvxi_free(job->ctx, vectors, v->count * 24);
+    return status;
+}
+
+static void close_values(bvxi_repair_job *job, repair_values *v)
+{
+    bvxi_free(job->ctx, v->triangles, v->count * 4);
+    bvxi_free(job->ctx, v->distances, v->count * 8);
+    bvxi_free(job->ctx, v->vectors, v->count * 24);
+    bvxi_free(job->ctx, v->first, (v->rows + 1) * 8);
+    bvxi_free(job->ctx, v->where.words, job->grid_bytes);
+}
+
+static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
+{
+    bvx_context *const ctx = job->ctx;
+    int const shells = job->sheets.triangle_count != 0;
+    memset(v, 0, sizeof *v);
+    v->where = job->inside;
+    v->where.words = NULL;
+    v->rows = bvxi_grid_rows(&job->inside);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->grid_bytes, "the centres that are measured", &v->where.words));
+    mark_ends(&job->inside, &v->where);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (v->rows + 1) * 8, "their rows", &v->first));
+    count_rows(v);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 24, "their vectors", &v->vectors));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 8, "their distances", &v->distances));
+    if (job->options->sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "their triangles", &v->triangles));
+    if (job->body.triangle_count != 0)
+        BVXI_TRY(measure_mesh(job, v, &job->body, v->vectors, v->distances, v->triangles, 0.0, shells ? 0.5 : 1.0));
+    return shells ? measure_with_shells(job, v) : BVX_OK;
+}
+
+/* ---- The surface ---- */
+
+static double lid_ratio(const void *user, int32_t axis, int32_t i, int32_t j, int32_t k)
+{
+    const bvxi_repair_job *const job = user;
+    int32_t const v[3] = {i, j, k};
+    if (job->winding == NULL || i < 0 || j < 0 || k < 0 || v[axis] + 1 >= job->lattice.dims[axis]) return 0.5;
+    return bvxi_winding_ratio(job->winding, v, axis);
+}
+
+static bvx_status extract_repaired(bvxi_repair_job *job, const repair_values *v, bvx_mesh *repaired)
+{
+    const bvx_repair_options *const from = job->options;
+    bvx_field_surface_report report;
+    bvx_field_surface_options o;
+    bvxi_edge_values values;
+    memset(&values, 0, sizeof values);
+    values.where = &v->where;
+    values.row_values = v->first;
+    values.value_type = BVX_F64;
+    values.vectors = v->vectors;
+    values.distances = v->distances;
+    values.triangles = v->triangles;
+    values.mesh = &job->body;
+    values.missing = lid_ratio;
+    values.missing_user = job;
+    bvx_field_surface_options_init(&o, sizeof o);
+    o.interpolation = from->interpolation;
+    o.face_rule = from->face_rule;
+    o.position_type = from->position_type;
+    o.local_frame = from->local_frame;
+    o.sharp = from->sharp;
+    memset(&report, 0, sizeof report);
+    o.report = &report;
+    BVXI_TRY(bvxi_field_surface(job->ctx, bvxi_repair_name, &job->inside, &values, &o, repaired));
+    job->report.sheet_edges = report.lids + report.middle;
+    return BVX_OK;
+}
+
+bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
+{
+    repair_values v;
+    bvx_status status = open_values(job, &v);
+    if (status == BVX_OK && job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
+        status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill, &job->winding);
+    if (status == BVX_OK) status = extract_repaired(job, &v, repaired);
+    bvxi_winding_close(job->ctx, job->winding);
+    job->winding = NULL;
+    close_values(job, &v);
+    return status;
+}

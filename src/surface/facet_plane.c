@@ -1,0 +1,197 @@
+/* facet_plane.c - the planes of the mesh's facets at the cut of a lattice edge, and the cut where they have it.
+ *
+ * Where the closest triangles of the edge's ends are known, the planes are theirs, and the cut moves to where the edge passes
+ * through one of them; where it passes through neither, to where it passes through the plane of one, if that is nearer to the
+ * two triangles: the formula in edge_vector.c cuts off what is sharp. Else a plane is square to the vector of an end: inside a
+ * facet that is the facet's own, and on an edge or corner of the mesh it is one of the planes that touch it there, so it
+ * too runs through the edge or corner. All in units of the largest spacing, from the edge's low end. */
+#include "surface/edge_vector.h"
+#include "surface/field_surface.h"
+#include "mesh/closest.h"
+#include "mesh/facet.h"
+#include "mesh/view.h"
+
+/* Shorter vectors of f32 have no direction worth taking. */
+#define SHORTEST2 (1.0 / 16777216.0) /* (2^-12)^2 */
+
+typedef struct facet_edge {
+    double length, along;                 /* along 1: the low end is inside, -1: the high end */
+    double outward[2][3], closest[2][3];  /* of the low and of the high end: vector away from the inside, 0 on the surface */
+    double corners[2][3][3], normal[2][3]; /* of the ends' triangles */
+    double size[2];                        /* of the normals; 0: no such triangle */
+    int32_t axis;
+} facet_edge;
+
+static double facet_dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double facet_distance2(const double a[3], const double b[3])
+{
+    double const d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return facet_dot(d, d);
+}
+
+/* ---- the edge and its triangles ---- */
+
+static void load_facet(const bvxi_cuts *c, facet_edge *f, int32_t end, uint32_t triangle, const double centre[3])
+{
+    double const scale = 1.0 / c->unit;
+    uint32_t corner[3];
+    bvxi_view_triangle(c->values->mesh, triangle, corner);
+    for (int32_t k = 0; k < 3; k++) {
+        bvxi_view_position(c->values->mesh, corner[k], f->corners[end][k]);
+        for (int32_t a = 0; a < 3; a++) f->corners[end][k][a] = (f->corners[end][k][a] - centre[a]) * scale;
+    }
+    f->size[end] = bvxi_facet_normal((const double(*)[3])f->corners[end], f->normal[end]);
+    if (f->size[end] - f->size[end] != 0.0) f->size[end] = 0.0;
+}
+
+static void open_facet_edge(const bvxi_cuts *c, const bvxi_cut_edge *e, uint64_t low, uint64_t high, const double centre[3],
+                            facet_edge *f)
+{
+    double const scale = 1.0 / c->unit;
+    const uint32_t *const triangles = c->values->mesh != NULL ? c->values->triangles : NULL;
+    f->axis = e->axis;
+    f->length = e->length * scale;
+    f->along = e->high_inside ? -1.0 : 1.0;
+    for (int32_t a = 0; a < 3; a++) {
+        f->closest[0][a] = e->low[a] * scale;
+        f->closest[1][a] = e->high[a] * scale + (a == e->axis ? f->length : 0.0);
+        f->outward[0][a] = f->along * e->low[a] * scale;
+        f->outward[1][a] = -f->along * e->high[a] * scale;
+    }
+    f->size[0] = f->size[1] = 0.0;
+    if (triangles == NULL) return;
+    load_facet(c, f, 0, triangles[(size_t)low], centre);
+    if (triangles[(size_t)low] != triangles[(size_t)high] || f->size[0] == 0.0) load_facet(c, f, 1, triangles[(size_t)high], centre);
+}
+
+static void point_of_edge(const facet_edge *f, double ratio, double p[3])
+{
+    p[0] = p[1] = p[2] = 0.0;
+    p[f->axis] = ratio * f->length;
+}
+
+/* ---- the cut ---- */
+
+/* Where the edge passes through a triangle, seen along the edge; 0 where it misses or runs along it. */
+static int pass_triangle(const facet_edge *f, int32_t end, double *ratio)
+{
+    const double(*const t)[3] = (const double(*)[3])f->corners[end];
+    int32_t const x = f->axis, y = x == 2 ? 0 : x + 1, z = y == 2 ? 0 : y + 1;
+    double const a = t[1][y] * t[2][z] - t[1][z] * t[2][y], b = t[2][y] * t[0][z] - t[2][z] * t[0][y];
+    double const c = t[0][y] * t[1][z] - t[0][z] * t[1][y];
+    if ((a < 0.0 || b < 0.0 || c < 0.0) && (a > 0.0 || b > 0.0 || c > 0.0)) return 0;
+    *ratio = (a * t[0][x] + b * t[1][x] + c * t[2][x]) / ((a + b + c) * f->length);
+    return *ratio >= 0.0 && *ratio <= 1.0;
+}
+
+static int pass_plane(const facet_edge *f, int32_t end, double *ratio)
+{
+    *ratio = facet_dot(f->normal[end], f->corners[end][0]) / (f->normal[end][f->axis] * f->length);
+    return *ratio >= 0.0 && *ratio <= 1.0;
+}
+
+/* Square of the distance from a place of the edge to the nearer triangle. */
+static double distance2_to_facets(const facet_edge *f, double ratio)
+{
+    double p[3], q[3], best = -1.0;
+    point_of_edge(f, ratio, p);
+    for (int32_t end = 0; end < 2; end++) {
+        double d2;
+        if (f->size[end] == 0.0) continue;
+        d2 = bvxi_closest_on_triangle(p, (const double(*)[3])f->corners[end], q);
+        if (best < 0.0 || d2 < best) best = d2;
+    }
+    return best;
+}
+
+static double cut_facets(const facet_edge *f, double ratio)
+{
+    double place[2] = {ratio, ratio}, best;
+    int passes[2];
+    for (int32_t end = 0; end < 2; end++) passes[end] = f->size[end] != 0.0 && pass_triangle(f, end, &place[end]);
+    if (passes[0] && passes[1])
+        return (place[1] - ratio) * (place[1] - ratio) < (place[0] - ratio) * (place[0] - ratio) ? place[1] : place[0];
+    if (passes[0] || passes[1]) return place[passes[0] ? 0 : 1];
+    best = distance2_to_facets(f, ratio);
+    for (int32_t end = 0; end < 2; end++) {
+        double d2;
+        if (f->size[end] == 0.0 || !pass_plane(f, end, &place[end])) continue;
+        d2 = distance2_to_facets(f, place[end]);
+        if (!(d2 < best)) continue;
+        best = d2;
+        ratio = place[end];
+    }
+    return ratio;
+}
+
+/* ---- the planes ---- */
+
+static void put_plane(const double cut[3], const double n[3], double length, const double on[3], bvxi_facet_plane *plane)
+{
+    double offset = 0.0;
+    for (int32_t a = 0; a < 3; a++) {
+        plane->n[a] = (float)(n[a] / length);
+        offset += n[a] / length * (on[a] - cut[a]);
+    }
+    plane->offset = (float)offset;
+}
+
+/* Meshes may have turned triangles: outward is what the end that the triangle is closest to says, and where it looks along the
+ * facet, the edge. */
+static double side_of_facet(const facet_edge *f, int32_t end)
+{
+    double const s = facet_dot(f->normal[end], f->outward[end]);
+    double const size = f->size[end] * sqrt(facet_dot(f->outward[end], f->outward[end]));
+    if (s > 0.5 * size) return 1.0;
+    if (s < -0.5 * size) return -1.0;
+    return f->normal[end][f->axis] * f->along < 0.0 ? -1.0 : 1.0;
+}
+
+static int planes_of_facets(const facet_edge *f, const double cut[3], bvxi_facet_plane planes[2])
+{
+    double best = 0.0;
+    int found = 0;
+    for (int32_t end = 0; end < 2; end++) {
+        double q[3], d2;
+        if (f->size[end] == 0.0) continue;
+        d2 = bvxi_closest_on_triangle(cut, (const double(*)[3])f->corners[end], q);
+        put_plane(cut, f->normal[end], side_of_facet(f, end) * f->size[end], q, &planes[found]);
+        if (found != 0 && d2 < best) {
+            bvxi_facet_plane const nearer = planes[1];
+            planes[1] = planes[0];
+            planes[0] = nearer;
+        }
+        best = d2;
+        found++;
+    }
+    return found != 0;
+}
+
+static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_facet_plane planes[2])
+{
+    int32_t const nearer = facet_distance2(cut, f->closest[0]) <= facet_distance2(cut, f->closest[1]) ? 0 : 1;
+    int32_t found = 0;
+    for (int32_t k = 0; k < 2; k++) {
+        int32_t const end = k == 0 ? nearer : 1 - nearer;
+        double const length2 = facet_dot(f->outward[end], f->outward[end]);
+        if (!(length2 > SHORTEST2) || length2 - length2 != 0.0) continue;
+        put_plane(cut, f->outward[end], sqrt(length2), f->closest[end], &planes[found++]);
+    }
+}
+
+double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_cut_edge *edge, uint64_t low, uint64_t high, const double centre[3],
+                      double ratio, bvxi_facet_plane planes[2])
+{
+    facet_edge f;
+    double cut[3];
+    open_facet_edge(cuts, edge, low, high, centre, &f);
+    if (cuts->interpolation != BVX_EDGE_MIDDLE) ratio = cut_facets(&f, ratio);
+    ratio = bvxi_keep_off_ends(ratio);
+    point_of_edge(&f, ratio, cut);
+    if (!planes_of_facets(&f, cut, planes)) planes_of_vectors(&f, cut, planes);
+    return ratio;
+}

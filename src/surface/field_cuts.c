@@ -1,0 +1,162 @@
+/* field_cuts.c - vertices put where a field of closest points cuts their edges.
+ *
+ * Rows of vertices are walked as marching cubes numbered them, and the values of the two or three rows of centres beside
+ * them are numbered on the way: a popcount a word, no search for any edge. What a vertex gets depends on the values at the
+ * ends of its own edge alone. */
+#include "surface/cells.h"
+#include "surface/edge_vector.h"
+#include "surface/field_surface.h"
+
+#include <math.h>
+
+#define NO_VALUE UINT64_MAX
+
+/* A row of centres: which have values, and the number of the first value at or beyond the word that the walk stands at. */
+typedef struct value_row {
+    const uint64_t *words; /* NULL outside the window */
+    uint64_t next;
+} value_row;
+
+typedef struct cut_walk {
+    const bvxi_cuts *cuts;
+    value_row row[3]; /* (j, k), (j+1, k), (j, k+1) */
+    int32_t j, k, w;
+    uint64_t count[BVXI_CUT_KINDS];
+} cut_walk;
+
+static value_row start_value_row(const bvxi_cuts *c, int32_t j, int32_t k)
+{
+    const bvx_grid *const g = c->values->where;
+    value_row r = {NULL, 0};
+    if ((c->interpolation != BVX_EDGE_MIDDLE || c->planes != NULL) && j >= 0 && k >= 0 && j < g->size[1] && k < g->size[2]) {
+        uint64_t const n = (uint64_t)k * (uint64_t)g->size[1] + (uint64_t)j;
+        r.words = g->words + n * (uint64_t)g->words_per_row;
+        r.next = c->values->row_values[n];
+    }
+    return r;
+}
+
+/* Number of the value at a bit of word w, or NO_VALUE. */
+static uint64_t value_at(const value_row *r, int32_t words, int32_t w, int32_t bit)
+{
+    if (r->words == NULL || w >= words || (r->words[w] >> bit & 1) == 0) return NO_VALUE;
+    return r->next + bvxi_popcount(r->words[w] & ((UINT64_C(1) << bit) - 1));
+}
+
+/* The same one centre before. */
+static uint64_t value_before(const value_row *r, int32_t words, int32_t w, int32_t bit)
+{
+    if (bit > 0) return value_at(r, words, w, bit - 1);
+    if (r->words == NULL || w == 0 || r->words[w - 1] >> 63 == 0) return NO_VALUE;
+    return r->next - 1;
+}
+
+static double read_value(const bvxi_edge_values *v, const void *values, uint64_t n)
+{
+    return v->value_type == BVX_F32 ? (double)((const float *)values)[(size_t)n] : ((const double *)values)[(size_t)n];
+}
+
+/* Vector and distance of one value. */
+static double read_end(const bvxi_edge_values *v, uint64_t n, double vector[3])
+{
+    double d;
+    for (uint64_t a = 0; a < 3; a++) vector[a] = v->vectors != NULL ? read_value(v, v->vectors, 3 * n + a) : 0.0;
+    if (v->distances == NULL) return sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    d = read_value(v, v->distances, n);
+    return d < 0 ? -d : d;
+}
+
+static int is_inside(const bvxi_march *m, int32_t i, int32_t j, int32_t k)
+{
+    if (i < 0 || i >= m->grid->size[0]) return 0;
+    return (int)(bvxi_march_row(m, j, k)[i >> 6] >> (i & 63) & 1);
+}
+
+/* An edge both of whose ends have values. */
+static int32_t cut_edge(const cut_walk *k, int32_t axis, int32_t i, uint64_t low, uint64_t high, bvxi_cut_edge *edge, double *t)
+{
+    const bvxi_cuts *const c = k->cuts;
+    edge->axis = axis;
+    edge->length = c->march->spacing[axis];
+    edge->high_inside = !is_inside(c->march, i, k->j, k->k);
+    edge->low_distance = read_end(c->values, low, edge->low);
+    edge->high_distance = read_end(c->values, high, edge->high);
+    return bvxi_find_cut(edge, c->interpolation, t);
+}
+
+/* A surface that crosses an edge is no further from both ends together than the edge is long. */
+static int is_lid(const bvxi_cut_edge *edge)
+{
+    return edge->low_distance + edge->high_distance > edge->length * (1.0 + 1e-6);
+}
+
+/* The vertex on the edge from centre (i, j, k) along axis, whose ends have the values low and high. */
+static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, uint64_t low, uint64_t high)
+{
+    const bvxi_cuts *const c = k->cuts;
+    const bvxi_march *const m = c->march;
+    const bvxi_edge_values *const v = c->values;
+    int const known = low != NO_VALUE && high != NO_VALUE;
+    int32_t by = BVXI_CUT_MIDDLE;
+    double t = 0.5;
+    bvxi_cut_edge edge;
+    if (known) by = cut_edge(k, axis, i, low, high, &edge, &t);
+    if (v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
+        t = v->missing(v->missing_user, axis, i, k->j, k->k);
+        by = BVXI_CUT_LID;
+    }
+    t = bvxi_keep_off_ends(t >= 0.0 && t <= 1.0 ? t : 0.5);
+    k->count[by]++;
+    if (c->planes != NULL) memset(&c->planes[2 * vertex], 0, 2 * sizeof *c->planes);
+    if (c->planes != NULL && known && by != BVXI_CUT_LID) {
+        const bvx_lattice *const l = &m->grid->lattice;
+        int32_t const at[3] = {i, k->j, k->k};
+        double centre[3];
+        for (int32_t a = 0; a < 3; a++) centre[a] = l->origin[a] + ((double)(m->grid->low[a] + at[a]) + 0.5) * l->spacing[a];
+        t = bvxi_facet_cut(c, &edge, low, high, centre, t, &c->planes[2 * vertex]);
+    }
+    bvxi_put_crossing(m, vertex, axis, i, k->j, k->k, t);
+}
+
+static void place_slot(cut_walk *k, uint64_t slot)
+{
+    const bvxi_cuts *const c = k->cuts;
+    const bvxi_march *const m = c->march;
+    const bvxi_slot *const s = &m->slots[slot];
+    uint64_t vertex[3] = {s->edge[0], s->edge[1], s->edge[2]};
+    int32_t const words = m->grid->words_per_row;
+    const uint64_t *row[4];
+    if (s[1].edge[0] == s->edge[0]) return;
+    bvxi_slot_row(m, slot, &k->j, &k->k);
+    bvxi_cell_rows(m, k->j, k->k, row);
+    for (int32_t r = 0; r < 3; r++) k->row[r] = start_value_row(c, k->j + (r == 1), k->k + (r == 2));
+    for (int32_t w = 0; w < m->edge_words; w++) {
+        uint64_t mask[3];
+        bvxi_cell_words cells;
+        bvxi_load_cells(row, w, words, &cells);
+        mask[0] = bvxi_slot_has(m, 0, k->j, k->k) ? (cells.low[0] ^ cells.high[0]) & bvxi_visited(m, w) : 0;
+        mask[1] = bvxi_slot_has(m, 1, k->j, k->k) ? cells.high[0] ^ cells.high[1] : 0;
+        mask[2] = bvxi_slot_has(m, 2, k->j, k->k) ? cells.high[0] ^ cells.high[2] : 0;
+        for (int32_t axis = 0; axis < 3; axis++)
+            for (uint64_t bits = mask[axis]; bits != 0; bits &= bits - 1) {
+                int32_t const bit = bvxi_lowest(bits);
+                uint64_t const low = axis == 0 ? value_before(&k->row[0], words, w, bit) : value_at(&k->row[0], words, w, bit);
+                place_cut(k, vertex[axis]++, axis, w * 64 + bit - (axis == 0), low, value_at(&k->row[axis], words, w, bit));
+            }
+        for (int32_t r = 0; r < 3; r++)
+            if (k->row[r].words != NULL && w < words) k->row[r].next += bvxi_popcount(k->row[r].words[w]);
+    }
+}
+
+void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker)
+{
+    const bvxi_cuts *const c = cuts;
+    cut_walk k;
+    uint64_t begin, end;
+    (void)worker;
+    memset(&k, 0, sizeof k);
+    k.cuts = c;
+    bvxi_piece(c->march->slot_count, c->march->pieces, piece, &begin, &end);
+    for (uint64_t s = begin; s < end; s++) place_slot(&k, s);
+    memcpy(c->piece_counts + BVXI_CUT_KINDS * (size_t)piece, k.count, sizeof k.count);
+}

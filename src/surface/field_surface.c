@@ -1,0 +1,217 @@
+/* field_surface.c - the surface of a distance field: bvx_extract_field_surface.
+ *
+ * Source: "Model repair by a vector distance field" 2.3 (edge_vector.c says how its formula is mended).
+ *
+ * Marching cubes between inside and outside centres, then each vertex is put where the field's closest points say, strictly
+ * inside its edge. The triangulations of the tables do not cross for any places inside the edges, so the result is closed,
+ * manifold and free of crossings whatever the field holds; sharp.c adds vertices inside cells and keeps that. */
+#include "surface/edge_vector.h"
+#include "surface/sharp.h"
+#include "mesh/mesh.h"
+#include "mesh/view.h"
+
+static const bvx_field_surface_options field_surface_defaults = {0, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, 0.8, NULL};
+
+void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &field_surface_defaults, sizeof field_surface_defaults);
+}
+
+/* ---- checks ---- */
+
+/* What bvxi_march_open does not see. */
+static bvx_status check_field_surface_options(bvx_context *ctx, const char *function, const bvx_field_surface_options *o)
+{
+    if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: interpolation %d is unknown", function, (int64_t)o->interpolation);
+    if ((o->sharp & ~1) != 0 || (o->local_frame & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp and local_frame are 0 or 1", function);
+    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", function);
+    if (!(o->sharp_angle >= -1.0 && o->sharp_angle <= 1.0))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp_angle %g is no cosine", function, o->sharp_angle);
+    return BVX_OK;
+}
+
+/* Doubles that could not tell neighbouring places apart, as bvxi_check_f32 for floats. */
+static bvx_status check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t local_frame)
+{
+    for (int32_t a = 0; a < 3; a++) {
+        double const spacing = grid->lattice.spacing[a], origin = local_frame ? 0.0 : grid->lattice.origin[a];
+        double const low = origin + grid->low[a] * spacing, high = origin + ((double)grid->low[a] + grid->size[a]) * spacing;
+        double const most = (low < 0 ? -low : low) > (high < 0 ? -high : high) ? (low < 0 ? -low : low) : (high < 0 ? -high : high);
+        if (!(most <= spacing * 17592186044416.0)) /* 2^44, so that 2^-53 of it is 1/512 of a voxel */
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: at %g doubles are too coarse for voxels of %g; take a local frame", function,
+                             most, spacing);
+    }
+    return BVX_OK;
+}
+
+/* The numbers of the values must be those of the band's bits, as no search checks them again. */
+static bvx_status check_row_values(bvx_context *ctx, const char *function, const bvx_field *f)
+{
+    uint64_t const rows = bvxi_grid_rows(&f->band), words = (uint64_t)f->band.words_per_row;
+    uint64_t total = 0;
+    if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
+    for (uint64_t r = 0; r < rows; r++) {
+        if (f->row_values[r] != total)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.row_values[%u] is %u, the band has %u values before it", function, r,
+                             f->row_values[r], total);
+        for (uint64_t w = 0; w < words; w++) total += bvxi_popcount(f->band.words[r * words + w]);
+    }
+    if (f->row_values[rows] != total || f->value_count != total)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has %u values and row_values ends at %u, the band has %u", function,
+                         f->value_count, f->row_values[rows], total);
+    return BVX_OK;
+}
+
+static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f, const bvx_field_surface_options *o)
+{
+    int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) || o->sharp;
+    for (uint64_t i = 0; i < 4; i++)
+        if (f->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.reserved[%u] is not zero", function, i);
+    if (f->sign == BVX_SIGN_NONE || f->inside.words == NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no inside; measure it with a sign", function);
+    BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));
+    if (o->position_type == BVX_F64) BVXI_TRY(check_f64(ctx, function, &f->inside, o->local_frame));
+    if (o->interpolation == BVX_EDGE_MIDDLE && !o->sharp) return BVX_OK;
+    BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));
+    if (!bvxi_lattice_equal(&f->band.lattice, &f->inside.lattice) || memcmp(f->band.low, f->inside.low, sizeof f->band.low) != 0 ||
+        memcmp(f->band.size, f->inside.size, sizeof f->band.size) != 0)
+        return bvxi_fail(ctx, BVX_ERR_LATTICE, "%s: the field's band and inside have different lattices or windows", function);
+    if (f->value_type != BVX_F32 && f->value_type != BVX_F64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.value_type %d is neither BVX_F32 nor BVX_F64", function,
+                         (int64_t)f->value_type);
+    BVXI_TRY(check_row_values(ctx, function, f));
+    if (vectors && f->vectors == NULL && f->value_count != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no vectors; measure it with them or take BVX_EDGE_SCALAR",
+                         function);
+    if (f->vectors == NULL && f->distances == NULL && f->value_count != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has neither vectors nor distances", function);
+    return BVX_OK;
+}
+
+/* Triangles of the field are looked up in the mesh. */
+static bvx_status check_field_triangles(bvx_context *ctx, const char *function, const bvx_field *f, const bvx_mesh_view *mesh)
+{
+    double low[3], high[3];
+    BVXI_TRY(bvxi_view_check(ctx, function, mesh));
+    BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
+    for (uint64_t n = 0; n < f->value_count; n++)
+        if (f->triangles[n] >= mesh->triangle_count)
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: field.triangles[%u] is %u, the mesh has %u triangles", function, n,
+                             (uint64_t)f->triangles[n], mesh->triangle_count);
+    return BVX_OK;
+}
+
+/* ---- steps ---- */
+
+/* Cuts counted over all pieces. */
+static void report_cuts(const bvxi_cuts *c, bvx_field_surface_report *report)
+{
+    for (int32_t p = 0; p < c->march->pieces; p++)
+        for (int32_t by = 0; by < BVXI_CUT_KINDS; by++) {
+            uint64_t const n = c->piece_counts[BVXI_CUT_KINDS * p + by];
+            report->edges += n;
+            report->scalar += by == BVXI_CUT_SCALAR ? n : 0;
+            report->middle += by == BVXI_CUT_MIDDLE ? n : 0;
+            report->lids += by == BVXI_CUT_LID ? n : 0;
+        }
+}
+
+static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_report *report)
+{
+    uint64_t const bytes = (uint64_t)c->march->pieces * BVXI_CUT_KINDS * sizeof *c->piece_counts;
+    bvx_status status;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counts of cuts", &c->piece_counts));
+    status = bvxi_parallel(ctx, "vertices", 0.0, 1.0, c->march->pieces, bvxi_cuts_piece, c);
+    if (status == BVX_OK) report_cuts(c, report);
+    bvxi_free(ctx, c->piece_counts, bytes);
+    return status;
+}
+
+static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface, bvx_field_surface_report *report)
+{
+    int const mine = surface->positions == NULL;
+    bvx_status status;
+    BVXI_TRY(bvxi_march_fill(ctx, m, surface));
+    status = place_cuts(ctx, c, report);
+    if (status == BVX_OK) return BVX_OK;
+    if (mine) bvx_mesh_free(ctx, surface);
+    else surface->vertex_count = surface->triangle_count = 0;
+    return status;
+}
+
+/* The surface by cuts becomes scratch. */
+static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, double least_cosine, bvx_mesh *surface,
+                             bvx_field_surface_report *report)
+{
+    uint64_t const plane_bytes = m->vertex_count * 2 * sizeof *c->planes, triangle_bytes = m->triangle_count * 12;
+    uint64_t const position_bytes = m->vertex_count * (m->options.position_type == BVX_F32 ? 12 : 24);
+    bvx_mesh plain = {0};
+    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes);
+    plain.position_type = m->options.position_type;
+    plain.vertex_capacity = m->vertex_count;
+    plain.triangle_capacity = m->triangle_count;
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening", &plain.positions);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles);
+    if (status == BVX_OK) status = bvxi_march_fill(ctx, m, &plain);
+    if (status == BVX_OK) status = place_cuts(ctx, c, report);
+    if (status == BVX_OK) status = bvxi_sharpen(ctx, m, c, least_cosine, surface, report);
+    bvxi_free(ctx, plain.triangles, triangle_bytes);
+    bvxi_free(ctx, plain.positions, position_bytes);
+    bvxi_free(ctx, c->planes, plane_bytes);
+    return status;
+}
+
+bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside, const bvxi_edge_values *values,
+                              const bvx_field_surface_options *options, bvx_mesh *surface)
+{
+    bvx_field_surface_report report;
+    bvx_extract_options extract;
+    bvxi_march m = {0};
+    bvxi_cuts cuts = {0};
+    bvx_status status;
+    memset(&report, 0, sizeof report);
+    bvx_extract_options_init(&extract, sizeof extract);
+    extract.face_rule = options->face_rule;
+    extract.position_type = options->position_type;
+    extract.local_frame = options->local_frame;
+    m.function = function;
+    status = bvxi_march_open(ctx, &m, inside, &extract);
+    cuts.march = &m;
+    cuts.values = values;
+    cuts.interpolation = options->interpolation;
+    for (int32_t a = 0; a < 3; a++) cuts.unit = inside->lattice.spacing[a] > cuts.unit ? inside->lattice.spacing[a] : cuts.unit;
+    if (status == BVX_OK)
+        status = options->sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
+                                : make_plain(ctx, &m, &cuts, surface, &report);
+    bvxi_march_close(ctx, &m);
+    if (status == BVX_OK && options->report != NULL) *options->report = report;
+    return status;
+}
+
+/* ---- public ---- */
+
+bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
+                                     const bvx_field_surface_options *options, bvx_mesh *surface)
+{
+    static const char name[] = "bvx_extract_field_surface";
+    bvx_field_surface_options o = field_surface_defaults;
+    bvxi_edge_values v = {0};
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (field == NULL || surface == NULL) return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
+    BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
+    BVXI_TRY(check_field_surface_options(context, name, &o));
+    BVXI_TRY(check_field(context, name, field, &o));
+    if (o.sharp && mesh != NULL && field->triangles != NULL) {
+        BVXI_TRY(check_field_triangles(context, name, field, mesh));
+        v.triangles = field->triangles;
+        v.mesh = mesh;
+    }
+    v.where = &field->band;
+    v.row_values = field->row_values;
+    v.value_type = field->value_type;
+    v.vectors = field->vectors;
+    v.distances = field->distances;
+    return bvxi_field_surface(context, name, &field->inside, &v, &o, surface);
+}

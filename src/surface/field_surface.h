@@ -1,0 +1,53 @@
+/* field_surface.h - surfaces with vertices where a field of closest points has them, for other rooms. Not installed. */
+#ifndef BVXI_FIELD_SURFACE_H
+#define BVXI_FIELD_SURFACE_H
+
+#include "surface/march.h"
+
+/* What is known at centres. Value number n is that of set voxel number n of where; only those at ends of crossing edges are
+ * looked at, so where need not be a band. */
+typedef struct bvxi_edge_values {
+    const bvx_grid *where;         /* of the lattice and window of the inside */
+    const uint64_t *row_values;    /* number of each row's first value [Size: rows + 1] */
+    int32_t value_type;            /* BVX_F32 or BVX_F64 */
+    const void *vectors;           /* from the centre to the closest point; NULL for BVX_EDGE_SCALAR and MIDDLE alone [Units: world] */
+    const void *distances;         /* of either sign; NULL: the lengths of the vectors [Units: world] */
+    const uint32_t *triangles;     /* sharp: the closest triangle, each below the mesh's count, or NULL */
+    const bvx_mesh_view *mesh;     /* sharp: checked, indices too, where there are triangles */
+    bvxi_ratio_fn *missing;        /* crossings with an end that has no value (NULL: the middle), and those that no surface makes:
+                                      the distances of both ends are together more than the edge (NULL: as others) */
+    const void *missing_user;
+} bvxi_edge_values;
+
+/* The surface of inside with cuts by values; options are checked, surface is opened as by bvxi_mesh_open. report may be NULL.
+ * stage, from, to: for progress. Steps of bvx_extract_field_surface. */
+bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside, const bvxi_edge_values *values,
+                              const bvx_field_surface_options *options, bvx_mesh *surface);
+
+/* ---- between the files of the stage ---- */
+
+/* The plane of the facet at a vertex v: n.(x - v) = offset; n is outward, 0 where none is known. */
+typedef struct bvxi_facet_plane {
+    float n[3];
+    float offset; /* [Units: the largest spacing] */
+} bvxi_facet_plane;
+
+typedef struct bvxi_cuts {
+    const bvxi_march *march; /* filled */
+    const bvxi_edge_values *values;
+    int32_t interpolation;
+    double unit;                /* the largest spacing */
+    bvxi_facet_plane *planes;   /* two of each vertex, or NULL where none are asked for */
+    uint64_t *piece_counts;     /* [Size: march->pieces * BVXI_CUT_KINDS] */
+} bvxi_cuts;
+
+/* field_cuts.c: place the vertices of the slots of a piece. */
+void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker);
+
+struct bvxi_cut_edge;
+/* facet_plane.c: the cut of an edge whose ends have values low and high, from the ratio that their vectors gave it; centre is the
+ * low end [Units: world]. planes[0] is that of the facet nearer to the cut, planes[1] that of the other end's; both are zero before. */
+double bvxi_facet_cut(const bvxi_cuts *cuts, const struct bvxi_cut_edge *edge, uint64_t low, uint64_t high, const double centre[3],
+                      double ratio, bvxi_facet_plane planes[2]);
+
+#endif

@@ -1,0 +1,230 @@
+/* sharp_cells.c - which loops are sharp, and where their apexes lie: see sharp.c. */
+#include "surface/sharp_walk.h"
+
+/* Facets meet in a point when it lies this near to all their planes. [Units: largest spacings] */
+#define SAME_PLACE (1.0 / 32.0)
+
+/* ---- which loops are sharp ---- */
+
+static int is_sharp(const bvxi_sharp_work *w, const bvxi_cell_loop *l)
+{
+    for (int32_t i = 1; i < l->corners; i++)
+        for (int32_t k = 0; k < i; k++) {
+            double a[3], b[3];
+            if (!bvxi_sharp_normal(w, l->vertex[i], a) || !bvxi_sharp_normal(w, l->vertex[k], b)) continue;
+            if (bvxi_sharp_dot(a, b) < w->least_cosine) return 1;
+        }
+    return 0;
+}
+
+/* 0 when all facets at the cell's vertices lie within half the angle of one of them: no two differ by more then. */
+static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
+{
+    const bvxi_march *const m = w->march;
+    const uint32_t *const corner = m->mesh->triangles + 3 * (size_t)c->triangle;
+    uint32_t const corners = 3u * bvxi_cell_triangle_count[m->options.face_rule][c->cell_case];
+    double const half = sqrt(0.5 + 0.5 * w->least_cosine) + 1e-6; /* normals are floats */
+    double first[3], n[3];
+    int known = 0;
+    for (uint32_t i = 0; i < corners; i++) {
+        if (!bvxi_sharp_normal(w, corner[i], known ? n : first)) continue;
+        if (known && bvxi_sharp_dot(first, n) < half) return 1;
+        known = 1;
+    }
+    return 0;
+}
+
+void bvxi_sharp_count_piece(void *work, int32_t piece, int32_t worker)
+{
+    bvxi_sharp_work *const w = work;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
+    for (uint64_t s = begin; s < end; s++) {
+        bvxi_cell_walk c;
+        w->first[s] = 0;
+        if (w->march->slots[s + 1].triangle == w->march->slots[s].triangle) continue;
+        for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) {
+            bvxi_cell_loops loops;
+            if (!may_be_sharp(w, &c)) continue;
+            bvxi_trace_walked(&c, &loops);
+            for (int32_t l = 0; l < loops.count; l++) w->first[s] += (uint32_t)is_sharp(w, &loops.loop[l]);
+        }
+    }
+}
+
+/* ---- apexes ---- */
+
+/* The cell's faces as written, its middle, and half of the box that apexes are kept in. */
+typedef struct sharp_box {
+    double low[3], high[3], middle[3], half[3];
+} sharp_box;
+
+static double as_written(const bvxi_march *m, double x)
+{
+    return m->options.position_type == BVX_F32 ? (double)(float)x : x;
+}
+
+static void open_box(const bvxi_sharp_work *w, const bvxi_cell_walk *c, sharp_box *box)
+{
+    const bvxi_march *const m = w->march;
+    int32_t const at[3] = {c->x, c->j, c->k};
+    for (int32_t a = 0; a < 3; a++) {
+        box->low[a] = as_written(m, bvxi_place_along(m, a, at[a], 0.0));
+        box->high[a] = as_written(m, bvxi_place_along(m, a, at[a] + 1, 0.0));
+        box->middle[a] = bvxi_place_along(m, a, at[a], 0.5);
+        box->half[a] = (0.5 - BVXI_EDGE_MARGIN) * m->spacing[a] / w->cuts->unit;
+    }
+}
+
+/* Read the planes at a loop's vertices, from the cell's middle: the nearer ones, then the others. */
+static void read_planes(const bvxi_sharp_work *w, const sharp_box *box, const bvxi_cell_loop *l, bvxi_apex_plane *planes,
+                        int32_t count[2], double middle[3])
+{
+    count[0] = count[1] = 0;
+    memset(middle, 0, 3 * sizeof *middle);
+    for (int32_t other = 0; other < 2; other++) {
+        for (int32_t i = 0; i < l->corners; i++) {
+            const bvxi_facet_plane *const from = &w->cuts->planes[2 * (size_t)l->vertex[i] + (size_t)other];
+            bvxi_apex_plane *const to = &planes[count[1]];
+            double p[3];
+            bvxi_sharp_vertex(w->march, l->vertex[i], p);
+            for (int a = 0; a < 3; a++) {
+                p[a] = (p[a] - box->middle[a]) / w->cuts->unit;
+                middle[a] += other ? 0.0 : p[a] / l->corners;
+                to->n[a] = (double)from->n[a];
+            }
+            to->d = bvxi_sharp_dot(to->n, p) + (double)from->offset;
+            count[1] += to->n[0] != 0.0 || to->n[1] != 0.0 || to->n[2] != 0.0;
+        }
+        if (other == 0) count[0] = count[1];
+    }
+}
+
+/* 1 when a point lies inside the box, and on all planes but for SAME_PLACE. */
+static int lies_on_all(const sharp_box *box, const bvxi_apex_plane *planes, int32_t count, const double p[3])
+{
+    for (int a = 0; a < 3; a++)
+        if (!(p[a] > -box->half[a] && p[a] < box->half[a])) return 0;
+    for (int32_t i = 0; i < count; i++) {
+        double const d = bvxi_sharp_dot(planes[i].n, p) - planes[i].d;
+        if (!(d < SAME_PLACE && d > -SAME_PLACE)) return 0;
+    }
+    return 1;
+}
+
+/* 0 where the apex does not come to lie strictly inside the cell, which numbers that are none may do. The facets that do not
+ * reach the loop's vertices count when all meet in a point of the cell: a corner that only its edges tell of. */
+static int place_apex(const bvxi_sharp_work *w, const sharp_box *box, const bvxi_cell_loop *l, double apex[3])
+{
+    bvxi_apex_plane planes[2 * BVXI_LOOP_CORNERS + 1];
+    double middle[3], p[3];
+    int32_t count[2];
+    read_planes(w, box, l, planes, count, middle);
+    bvxi_apex(planes, count[1], middle, box->half, p);
+    if (count[1] == count[0] || !lies_on_all(box, planes, count[1], p)) bvxi_apex(planes, count[0], middle, box->half, p);
+    for (int a = 0; a < 3; a++) {
+        apex[a] = as_written(w->march, box->middle[a] + p[a] * w->cuts->unit);
+        if (!(apex[a] > box->low[a] && apex[a] < box->high[a])) return 0;
+    }
+    return 1;
+}
+
+/* Does n look away from all facets that are known at both vertices? */
+static int looks_away(const bvxi_sharp_work *w, const uint32_t end[2], const double n[3])
+{
+    int known = 0;
+    for (int i = 0; i < 4; i++) {
+        const bvxi_facet_plane *const p = &w->cuts->planes[2 * (size_t)end[i >> 1] + (size_t)(i & 1)];
+        double const facet[3] = {(double)p->n[0], (double)p->n[1], (double)p->n[2]};
+        if (bvxi_sharp_dot(n, facet) > 0.0) return 0;
+        known |= facet[0] != 0.0 || facet[1] != 0.0 || facet[2] != 0.0;
+    }
+    return known;
+}
+
+/* 1 when a triangle of the fan is turned over, or has no area. */
+static int turns_over(const bvxi_sharp_work *w, const bvxi_cell_loop *l, const double apex[3])
+{
+    for (int32_t i = 0; i < l->corners; i++) {
+        uint32_t const end[2] = {l->vertex[i], l->vertex[i + 1 < l->corners ? i + 1 : 0]};
+        double p[2][3], n[3];
+        for (int k = 0; k < 2; k++) bvxi_sharp_vertex(w->march, end[k], p[k]);
+        if (!bvxi_normal_of(p[0], p[1], apex, w->cuts->unit, n) || looks_away(w, end, n)) return 1;
+    }
+    return 0;
+}
+
+/* Triangle n of a loop: of its fan, or as it was. */
+static void loop_triangle(const bvxi_march *m, const bvxi_cell_walk *c, const bvxi_cell_loop *l, const double *apex, int32_t n,
+                          double t[3][3])
+{
+    if (apex != NULL) {
+        bvxi_sharp_vertex(m, l->vertex[n], t[0]);
+        bvxi_sharp_vertex(m, l->vertex[n + 1 < l->corners ? n + 1 : 0], t[1]);
+        memcpy(t[2], apex, sizeof t[2]);
+    } else {
+        const uint32_t *const corner = m->mesh->triangles + 3 * ((size_t)c->triangle + l->first + (size_t)n);
+        for (int k = 0; k < 3; k++) bvxi_sharp_vertex(m, corner[k], t[k]);
+    }
+}
+
+/* 1 when all triangles of different loops of the cell are proven apart; apex[l] is NULL for loops without. */
+static int loops_are_apart(const bvxi_march *m, const bvxi_cell_walk *c, const bvxi_cell_loops *loops,
+                           const double *const apex[BVXI_CELL_LOOPS])
+{
+    for (int32_t a = 1; a < loops->count; a++)
+        for (int32_t b = 0; b < a; b++) {
+            const bvxi_cell_loop *const one = &loops->loop[a], *const two = &loops->loop[b];
+            int32_t const n = apex[a] != NULL ? one->corners : (int32_t)one->triangles;
+            int32_t const k = apex[b] != NULL ? two->corners : (int32_t)two->triangles;
+            if (apex[a] == NULL && apex[b] == NULL) continue; /* the tables see to that */
+            for (int32_t i = 0; i < n; i++)
+                for (int32_t j = 0; j < k; j++) {
+                    double t[3][3], u[3][3];
+                    loop_triangle(m, c, one, apex[a], i, t);
+                    loop_triangle(m, c, two, apex[b], j, u);
+                    if (!bvxi_triangles_apart((const double(*)[3])t, (const double(*)[3])u)) return 0;
+                }
+        }
+    return 1;
+}
+
+/* Fill the loops of one cell; returns how many. */
+static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvxi_sharp_loop *out)
+{
+    const double *apex[BVXI_CELL_LOOPS] = {NULL};
+    bvxi_cell_loops loops;
+    uint32_t count = 0;
+    sharp_box box;
+    if (!may_be_sharp(w, c)) return 0;
+    bvxi_trace_walked(c, &loops);
+    for (int32_t l = 0; l < loops.count; l++) {
+        bvxi_sharp_loop *const s = &out[count];
+        if (!is_sharp(w, &loops.loop[l])) continue;
+        if (count++ == 0) open_box(w, c, &box);
+        memset(s, 0, sizeof *s);
+        s->x = c->x;
+        s->loop = (uint8_t)l;
+        s->alone = loops.count == 1;
+        s->kept = (uint8_t)(place_apex(w, &box, &loops.loop[l], s->apex) && !turns_over(w, &loops.loop[l], s->apex));
+        if (s->kept) apex[l] = s->apex;
+    }
+    if (count != 0 && loops.count > 1 && !loops_are_apart(w->march, c, &loops, apex))
+        for (uint32_t n = 0; n < count; n++) out[n].kept = 0;
+    return count;
+}
+
+void bvxi_sharp_fill_piece(void *work, int32_t piece, int32_t worker)
+{
+    bvxi_sharp_work *const w = work;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
+    for (uint64_t s = begin; s < end; s++) {
+        bvxi_sharp_loop *out = w->loops + w->first[s];
+        bvxi_cell_walk c;
+        if (w->first[s + 1] == w->first[s]) continue;
+        for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) out += fill_cell(w, &c, out);
+    }
+}

@@ -1,0 +1,189 @@
+/* winding.c - the centres whose generalized winding number is above a half, either way; and where it passes a half.
+ *
+ * Source: Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using Generalized Winding Numbers. 2013.
+ *
+ * The winding number is the mesh's solid angle in turns. With a sheet over its open edges the mesh is closed, rows along x tell
+ * the turns of both in whole numbers, and only the sheet's own angle has a fraction (turns.h): near the holes bricks of centres
+ * are asked for it, elsewhere it rounds to 0. An edge is open when triangles run along it more often one way than the other.
+ * Guarantee: local. A winding number within 1e-8 of a half counts as a half, which is outside; all others fall as in the reals,
+ * crossings with the snapped triangles being exact. A mesh without open edges is filled as by the rule nonzero, bit for bit. The
+ * bits follow from the snapped triangles alone. */
+#include "voxelize/fills.h"
+#include "voxelize/turns.h"
+#include "voxelize/winding.h"
+
+typedef struct wind_work {
+    const bvx_grid *solid;
+    const bvx_mesh_view *sheet_view;
+    const bvxi_sheet *sheet;
+    bvx_solid_report *report;
+} wind_work;
+
+/* ---- The rule ---- */
+
+/* Turns of the mesh and the turned sheet at the row's voxels, from x0 on, crossing by crossing. */
+static void wind_row(const bvxi_turns_job *job, const bvxi_row_codes *mesh, const bvxi_row_codes *sheet, const int32_t *turns, int32_t x0,
+                     int32_t x1, uint64_t *words)
+{
+    int32_t const low = job->grid->low[0];
+    uint32_t i = 0, j = 0;
+    int32_t depth = 0;
+    for (int32_t x = x0, next; x < x1; x = next) {
+        for (; i < mesh->count && bvxi_floor_shift(mesh->code[i], 1) - low <= x; i++) depth += (mesh->code[i] & 1) != 0 ? -1 : 1;
+        for (; j < sheet->count && bvxi_floor_shift(sheet->code[j], 1) - low <= x; j++) depth -= (sheet->code[j] & 1) != 0 ? -1 : 1;
+        next = x1;
+        if (i < mesh->count && bvxi_floor_shift(mesh->code[i], 1) - low < next) next = bvxi_floor_shift(mesh->code[i], 1) - low;
+        if (j < sheet->count && bvxi_floor_shift(sheet->code[j], 1) - low < next) next = bvxi_floor_shift(sheet->code[j], 1) - low;
+        if (turns == NULL) {
+            if (depth != 0) bvxi_set_run(words, x, next);
+            continue;
+        }
+        for (int32_t v = x; v < next; v++) {
+            int32_t const twice = 2 * depth + turns[v - x0];
+            if (twice > 1 || twice < -1) words[v >> 6] |= UINT64_C(1) << (v & 63);
+        }
+    }
+}
+
+static void wind_rows(const bvxi_turns_job *job, const bvxi_turns_block *b, const bvxi_row_codes *mesh, int32_t x0, int32_t x1)
+{
+    for (int32_t z = 0; z < b->size[2]; z++)
+        for (int32_t y = 0; y < b->size[1]; y++) {
+            uint32_t const row = bvxi_turns_row(y, z);
+            uint64_t *const words = job->grid->words + bvxi_turns_word(job, b, y, z);
+            if (x0 == 0) memset(words, 0, (size_t)job->grid->words_per_row * 8);
+            if (!b->dirty && mesh[row].count == 0 && b->crossed[row].count == 0) continue;
+            wind_row(job, &mesh[row], &b->crossed[row], b->dirty ? b->turns + row * BVXI_TURNS_SIDE : NULL, x0, x1, words);
+        }
+}
+
+/* lists: of the mesh. */
+static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_row_lists *lists, double from, double to)
+{
+    wind_work *const w = job->user;
+    const bvx_mesh_view *const mesh = job->view;
+    double const part = from + (to - from) / 4;
+    bvxi_row_lists crossed;
+    bvxi_turns_job turns = {0};
+    bvx_status status;
+    job->view = w->sheet_view;
+    status = bvxi_solid_gather(ctx, job, from, part, &crossed);
+    job->view = mesh;
+    if (status != BVX_OK) return status;
+    turns.sheet = w->sheet;
+    turns.grid = w->solid;
+    turns.solid = job;
+    turns.mesh = lists;
+    turns.crossed = &crossed;
+    turns.rule = wind_rows;
+    turns.ties = 1;
+    status = bvxi_turns_run(ctx, &turns, bvxi_solid_progress(job, part), bvxi_solid_progress(job, to), &w->report->unbalanced_rows);
+    bvxi_row_lists_free(ctx, &crossed);
+    return status;
+}
+
+static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes, const bvx_grid *solid, double from,
+                                  double to, bvx_solid_report *report)
+{
+    wind_work w = {solid, NULL, NULL, report};
+    bvx_mesh_view view;
+    bvxi_sheet sheet;
+    bvx_status status;
+    BVXI_TRY(bvxi_sheet_open(ctx, holes, &job->snapped, &solid->lattice, &sheet));
+    status = bvxi_sheet_mesh_open(ctx, job->view, holes, &view);
+    if (status == BVX_OK) {
+        w.sheet = &sheet;
+        w.sheet_view = &view;
+        job->user = &w;
+        job->take_lists = wind_block;
+        status = bvxi_solid_fill(ctx, job, solid, 0, BVX_FILL_NONZERO, from, to, report);
+        job->take_lists = NULL;
+        bvxi_sheet_mesh_close(ctx, holes, &view);
+    }
+    bvxi_sheet_close(ctx, &sheet);
+    return status;
+}
+
+/* The loops are looked for before the rows have read the triangles. */
+static bvx_status check_corners(bvx_context *ctx, const char *function, const bvx_mesh_view *view)
+{
+    uint32_t corner[3];
+    for (uint64_t t = 0; t < view->triangle_count; t++)
+        if (BVXI_UNLIKELY(!bvxi_view_triangle(view, t, corner))) return bvxi_view_fail_index(ctx, function, view, t);
+    return BVX_OK;
+}
+
+bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *solid, double from, double to, bvx_solid_report *report)
+{
+    double const part = from + (to - from) / 4;
+    bvxi_holes holes;
+    bvx_status status;
+    BVXI_TRY(check_corners(ctx, job->function, job->view));
+    BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
+    BVXI_TRY(bvxi_holes_open_signed(ctx, job->view, &job->snapped, &holes));
+    if (holes.loops == 0) status = bvxi_solid_fill(ctx, job, solid, 0, BVX_FILL_NONZERO, part, to, report);
+    else status = wind_over_holes(ctx, job, &holes, solid, part, to, report);
+    bvxi_holes_close(ctx, &holes);
+    return status;
+}
+
+/* ---- Between two centres ---- */
+
+struct bvxi_winding {
+    bvxi_snapped snapped;
+    bvxi_holes holes;
+    bvxi_sheet sheet;
+    int32_t rule;
+};
+
+#define WINDING_NEAR 1e-4 /* parts of the sheet are opened until each is off by less */
+
+void bvxi_winding_close(bvx_context *ctx, bvxi_winding *winding)
+{
+    if (winding == NULL) return;
+    if (winding->sheet.holes != NULL) bvxi_sheet_close(ctx, &winding->sheet);
+    bvxi_holes_close(ctx, &winding->holes);
+    bvxi_snap_free(ctx, &winding->snapped);
+    bvxi_free(ctx, winding, sizeof *winding);
+}
+
+bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                             int32_t rule, bvxi_winding **winding)
+{
+    bvxi_winding *w;
+    bvx_status status;
+    *winding = NULL;
+    BVXI_TRY(check_corners(ctx, function, mesh));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *w, "the winding number's holes", &w));
+    w->rule = rule;
+    status = bvxi_snap(ctx, function, mesh, lattice, &w->snapped);
+    if (status == BVX_OK)
+        status = rule == BVX_FILL_VOTE ? bvxi_holes_open(ctx, mesh, &w->snapped, &w->holes)
+                                       : bvxi_holes_open_signed(ctx, mesh, &w->snapped, &w->holes);
+    if (status == BVX_OK && w->holes.loops > 0) status = bvxi_sheet_open(ctx, &w->holes, &w->snapped, lattice, &w->sheet);
+    if (status == BVX_OK && w->holes.loops > 0) *winding = w;
+    else bvxi_winding_close(ctx, w);
+    return status;
+}
+
+/* The winding number's fraction is the sheet's. Without a triangle on the way the number changes steadily, so of all numbers with the
+ * two fractions it goes between those that lie nearest to each other on either side of a half. */
+double bvxi_winding_ratio(const bvxi_winding *winding, const int32_t v[3], int32_t axis)
+{
+    int64_t const step = (int64_t)1 << winding->sheet.fraction_bits;
+    int64_t p[3];
+    double from, to, half, t;
+    for (int32_t a = 0; a < 3; a++) p[a] = v[a] * step + step / 2;
+    from = bvxi_sheet_angle(&winding->sheet, p, WINDING_NEAR);
+    p[axis] += step;
+    to = bvxi_sheet_angle(&winding->sheet, p, WINDING_NEAR);
+    from -= floor(from);
+    to -= floor(to);
+    if ((from < 0.5) == (to < 0.5)) { /* not by way of the half: by way of the whole number, to the next half */
+        if (winding->rule == BVX_FILL_VOTE) return 0.5; /* or rows have decided */
+        to += to > from ? -1 : 1;
+    }
+    half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
+    t = (half - from) / (to - from);
+    return !(t > 0 && t < 1) ? 0.5 : t < 0.001 ? 0.001 : t > 0.999 ? 0.999 : t;
+}

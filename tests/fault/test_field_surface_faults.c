@@ -1,0 +1,176 @@
+/* test_field_surface_faults.c - surfaces of fields, plain and sharp: every allocation failing once, cancelled at every progress
+ * call, under every memory limit. After each failure there is no mesh, nothing is held, and the same context does the work. */
+#include "fault/context.h"
+#include "tools/field_maker.h"
+
+static maker_mesh box;
+static bvx_mesh_view view;
+static bvx_field field;
+static bvx_context *maker;
+static uint64_t mark;    /* a hash of what the last good run made */
+static int left_behind;  /* a failed call left something in its result */
+
+static int make_inputs(void **state)
+{
+    double const low[3] = {-5, -4, -3}, high[3] = {5, 4, 3}, origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    int32_t const dims[3] = {18, 18, 14};
+    bvx_context_options o = default_options();
+    bvx_lattice lattice;
+    (void)state;
+    o.threads = 1;
+    maker = context_with(&o);
+    maker_box(&box, low, high);
+    for (size_t i = 0; i < box.vertices; i++) {
+        double *const p = box.p + 3 * i;
+        double const x = 0.8 * p[0] - 0.6 * p[1], y = 0.6 * p[0] + 0.8 * p[1];
+        p[0] = x + 9.1;
+        p[1] = y + 8.9;
+        p[2] += 7.3;
+    }
+    view = maker_view(&box);
+    assert_int_equal(bvx_lattice_make(maker, origin, spacing, dims, &lattice), BVX_OK);
+    field_maker_measure(maker, &box, &lattice, 2.0, BVX_F32, &field);
+    return 0;
+}
+
+static int free_inputs(void **state)
+{
+    (void)state;
+    field_maker_free(maker, &field);
+    bvx_context_destroy(maker);
+    maker_free(&box);
+    return 0;
+}
+
+static bvx_status make_surface(bvx_context *ctx, int32_t sharp, const bvx_mesh_view *mesh)
+{
+    bvx_field_surface_options o;
+    bvx_mesh m;
+    bvx_status status;
+    memset(&m, 0, sizeof m);
+    bvx_field_surface_options_init(&o, sizeof o);
+    o.sharp = sharp;
+    status = bvx_extract_field_surface(ctx, &field, mesh, &o, &m);
+    if (status != BVX_OK) {
+        left_behind |= m.positions != NULL || m.triangles != NULL || m.vertex_count != 0 || m.triangle_count != 0;
+        return status;
+    }
+    assert_int_equal(bvx_mesh_hash(ctx, &m, &mark), BVX_OK);
+    bvx_mesh_free(ctx, &m);
+    return status;
+}
+
+static bvx_status run_plain(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return make_surface(ctx, 0, NULL);
+}
+
+static bvx_status run_sharp(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return make_surface(ctx, 1, &view);
+}
+
+static bvx_status run_sharp_by_vectors(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return make_surface(ctx, 1, NULL);
+}
+
+enum { SURFACES = 3 };
+static fault_operation_fn *const surfaces[SURFACES] = {run_plain, run_sharp, run_sharp_by_vectors};
+
+typedef struct trial {
+    fault_operation_fn *run;
+    uint64_t want;
+} trial;
+
+static bvx_status run_trial(void *user, bvx_context *ctx)
+{
+    const trial *const t = user;
+    bvx_status const status = t->run(NULL, ctx);
+    if (status == BVX_OK && mark != t->want) left_behind = 2;
+    return status;
+}
+
+static trial trial_of(int i)
+{
+    trial t = {surfaces[i], 0};
+    left_behind = 0;
+    assert_int_equal(t.run(NULL, maker), BVX_OK);
+    t.want = mark;
+    return t;
+}
+
+static void assert_well(int i, const char *wrong)
+{
+    if (wrong != NULL) fail_msg("surface %d: %s", i, wrong);
+    if (left_behind == 1) fail_msg("surface %d: a failed call left something in its mesh", i);
+    if (left_behind != 0) fail_msg("surface %d: another mesh than usual", i);
+}
+
+static void test_every_allocation_of_a_field_surface_fails_once(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2)
+        for (int i = 0; i < SURFACES; i++) {
+            bvx_context_options o = default_options();
+            trial t = trial_of(i);
+            uint64_t allocations = 0;
+            o.threads = threads;
+            assert_well(i, fault_every_allocation(run_trial, &t, &o, &allocations));
+            assert_true(allocations >= (i == 0 ? 7u : 13u));
+        }
+}
+
+static void test_cancel_at_every_progress_call_of_a_field_surface(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2)
+        for (int i = 0; i < SURFACES; i++) {
+            bvx_context_options o = default_options();
+            trial t = trial_of(i);
+            uint64_t calls = 0;
+            o.threads = threads;
+            assert_well(i, fault_every_cancel(run_trial, &t, &o, &calls));
+            assert_true(calls >= (i == 0 ? 3u : 7u));
+        }
+}
+
+/* Limits from 1 byte to what the surface needs. */
+static void test_every_memory_limit_of_a_field_surface(void **state)
+{
+    enum { STEPS = 60 };
+    (void)state;
+    for (int i = 0; i < SURFACES; i++) {
+        trial t = trial_of(i);
+        uint64_t need = bvx_memory_used(maker);
+        bvx_memory_reset_peak(maker);
+        assert_int_equal(run_trial(&t, maker), BVX_OK);
+        need = bvx_memory_peak(maker) - need;
+        for (uint64_t n = 0; n <= STEPS; n++) {
+            fault_heap heap = {0};
+            bvx_context_options const base = default_options();
+            bvx_context_options o = fault_options(&base, &heap);
+            bvx_context *ctx;
+            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
+            o.threads = 1;
+            ctx = context_with(&o);
+            assert_int_equal(run_trial(&t, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            bvx_context_destroy(ctx);
+            assert_well(i, fault_end(&heap));
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_allocation_of_a_field_surface_fails_once),
+        cmocka_unit_test(test_cancel_at_every_progress_call_of_a_field_surface),
+        cmocka_unit_test(test_every_memory_limit_of_a_field_surface),
+    };
+    return cmocka_run_group_tests(tests, make_inputs, free_inputs);
+}

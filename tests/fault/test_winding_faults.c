@@ -1,0 +1,201 @@
+/* test_winding_faults.c - the rule winding, and ratios between centres, with every allocation failing once, cancelled at every
+ * progress call and under every memory limit. */
+#include "fault/context.h"
+#include "tools/mesh_maker.h"
+#include "voxelize/winding.h"
+
+static maker_mesh closed, holes; /* holes: triangles missing, turned and twice there */
+static bvx_mesh_view closed_view, holes_view;
+static bvx_lattice lattice;
+static bvx_context *maker;
+
+static int make_inputs(void **state)
+{
+    static const double centre[3] = {11, 10, 9}, radius[3] = {9, 8, 7};
+    uint64_t seed = 815;
+    bvx_context_options o = default_options();
+    (void)state;
+    o.threads = 1;
+    maker = context_with(&o);
+    maker_star(&closed, &seed, centre, radius, 0.2, 7, 11, 65536);
+    maker_star(&holes, &seed, centre, radius, 0.2, 7, 11, 65536);
+    for (int i = 0; i < 7; i++) maker_remove(&holes, (size_t)maker_below(&seed, (int32_t)holes.triangles));
+    maker_flip(&holes, 20, 40);
+    for (size_t i = 50; i < 60; i++) maker_duplicate(&holes, i);
+    closed_view = maker_view(&closed);
+    holes_view = maker_view(&holes);
+    assert_int_equal(bvx_lattice_fit(maker, &closed_view, 40, &lattice), BVX_OK);
+    return 0;
+}
+
+static int free_inputs(void **state)
+{
+    (void)state;
+    assert_int_equal(bvx_memory_used(maker), 0);
+    bvx_context_destroy(maker);
+    maker_free(&closed);
+    maker_free(&holes);
+    return 0;
+}
+
+static uint64_t mark;   /* a hash of what the last good run made */
+static int left_behind; /* a failed call left something in its result */
+
+static bvx_status fill_view(bvx_context *ctx, const bvx_mesh_view *view)
+{
+    bvx_voxelize_options o;
+    bvx_solid_report report = {0};
+    bvx_grid g = {0};
+    bvx_status status;
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = BVX_FILL_WINDING;
+    o.report = &report;
+    status = bvx_voxelize_solid(ctx, view, &lattice, &o, &g);
+    left_behind |= status != BVX_OK && (g.words != NULL || report.crossings != 0);
+    if (status == BVX_OK) assert_int_equal(bvx_grid_hash(ctx, &g, &mark), BVX_OK);
+    bvx_grid_free(ctx, &g);
+    return status;
+}
+
+static bvx_status fill_holes(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return fill_view(ctx, &holes_view);
+}
+
+static bvx_status fill_closed(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return fill_view(ctx, &closed_view);
+}
+
+static bvx_status ratios(void *user, bvx_context *ctx)
+{
+    bvxi_winding *w = (bvxi_winding *)&mark;
+    bvx_status const status = bvxi_winding_open(ctx, "test", &holes_view, &lattice, BVX_FILL_WINDING, &w);
+    double sum = 0;
+    (void)user;
+    left_behind |= status != BVX_OK && w != NULL;
+    if (status != BVX_OK) return status;
+    for (int32_t x = 0; x < 30; x++) {
+        int32_t const v[3] = {x, x % 7 + 8, x % 5 + 10};
+        sum += bvxi_winding_ratio(w, v, x % 3);
+    }
+    bvxi_winding_close(ctx, w);
+    mark = bvx_hash(&sum, sizeof sum, 0);
+    return BVX_OK;
+}
+
+typedef struct wind_kind {
+    const char *name;
+    fault_operation_fn *run;
+    uint64_t want;
+} wind_kind;
+
+static wind_kind kinds[] = {{"holes", fill_holes, 0}, {"closed", fill_closed, 0}, {"ratios", ratios, 0}};
+enum { KINDS = sizeof kinds / sizeof kinds[0] };
+
+static bvx_status run_kind(void *user, bvx_context *ctx)
+{
+    const wind_kind *const k = user;
+    bvx_status const status = k->run(NULL, ctx);
+    if (status == BVX_OK && mark != k->want) left_behind = 2;
+    return status;
+}
+
+static wind_kind *take_kind(int i)
+{
+    left_behind = 0;
+    assert_int_equal(kinds[i].run(NULL, maker), BVX_OK);
+    kinds[i].want = mark;
+    return &kinds[i];
+}
+
+static void assert_well(const wind_kind *k, const char *wrong)
+{
+    if (wrong != NULL) fail_msg("%s: %s", k->name, wrong);
+    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", k->name);
+    if (left_behind == 2) fail_msg("%s: another result than usual", k->name);
+}
+
+static void test_every_allocation_fails_once(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < KINDS; i++) {
+            wind_kind *const k = take_kind(i);
+            uint64_t allocations = 0;
+            assert_well(k, fault_every_allocation(run_kind, k, &o, &allocations));
+            assert_true(allocations > 3);
+        }
+    }
+}
+
+static void test_cancelled_at_every_progress_call(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < KINDS; i++) {
+            wind_kind *const k = take_kind(i);
+            uint64_t calls = 0;
+            assert_well(k, fault_every_cancel(run_kind, k, &o, &calls));
+            assert_true(calls > 0);
+        }
+    }
+}
+
+static void test_every_memory_limit(void **state)
+{
+    enum { STEPS = 60 };
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        wind_kind *const k = take_kind(i);
+        uint64_t need = bvx_memory_used(maker);
+        bvx_memory_reset_peak(maker);
+        assert_int_equal(run_kind(k, maker), BVX_OK);
+        assert_int_equal(bvx_memory_used(maker), need);
+        need = bvx_memory_peak(maker) - need;
+        for (uint64_t n = 0; n <= STEPS; n++) {
+            fault_heap heap = {0};
+            bvx_context_options const base = default_options();
+            bvx_context_options o = fault_options(&base, &heap);
+            bvx_context *ctx;
+            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1);
+            o.threads = 1;
+            ctx = context_with(&o);
+            assert_int_equal(run_kind(k, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            bvx_context_destroy(ctx);
+            assert_well(k, fault_end(&heap));
+        }
+    }
+}
+
+static void test_corners_beyond_the_vertices_are_named(void **state)
+{
+    bvx_mesh_view bad = holes_view;
+    bvxi_winding *w = NULL;
+    (void)state;
+    bad.vertex_count--;
+    left_behind = 0;
+    assert_int_equal(fill_view(maker, &bad), BVX_ERR_RANGE);
+    assert_non_null(strstr(bvx_last_message(maker), "triangle"));
+    assert_int_equal(bvxi_winding_open(maker, "test", &bad, &lattice, BVX_FILL_VOTE, &w), BVX_ERR_RANGE);
+    assert_null(w);
+    assert_int_equal(left_behind, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_allocation_fails_once),
+        cmocka_unit_test(test_cancelled_at_every_progress_call),
+        cmocka_unit_test(test_every_memory_limit),
+        cmocka_unit_test(test_corners_beyond_the_vertices_are_named),
+    };
+    return cmocka_run_group_tests(tests, make_inputs, free_inputs);
+}

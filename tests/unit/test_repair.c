@@ -1,0 +1,414 @@
+/* test_repair.c - whatever goes in, a closed, manifold, oriented mesh comes out, and where the shape is known its volume is near. */
+#include "solid_support.h"
+
+#include <math.h>
+
+static bvx_repair_report report;
+
+static bvx_mesh repaired_by(bvx_context *c, const bvx_mesh_view *view, const bvx_repair_options *with)
+{
+    bvx_repair_options o = *with;
+    bvx_mesh out;
+    bvx_status status;
+    memset(&out, 0, sizeof out);
+    memset(&report, 0, sizeof report);
+    o.report = &report;
+    status = bvx_repair(c, view, &o, &out);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(c));
+    return out;
+}
+
+static bvx_repair_options defaults(int32_t resolution)
+{
+    bvx_repair_options o;
+    bvx_repair_options_init(&o, sizeof o);
+    o.resolution = resolution;
+    return o;
+}
+
+static void assert_certified(const bvx_mesh *m)
+{
+    bvx_certificate c;
+    bvx_mesh_view v;
+    bvx_mesh_view_of(m, &v);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &v, 0, &c));
+    TEST_ASSERT_TRUE_MESSAGE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented, "the result is not closed, manifold and oriented");
+    TEST_ASSERT_EQUAL_UINT64(0, c.degenerate + c.duplicates + c.collapsed);
+    TEST_ASSERT_TRUE(c.volume > 0);
+    TEST_ASSERT_EQUAL_MEMORY(&c, &report.after, sizeof c);
+}
+
+/* The volume of what comes out, in voxels of the lattice it was made on. */
+static double repair_volume(int32_t resolution, int32_t sign)
+{
+    bvx_repair_options o = defaults(resolution);
+    bvx_mesh_view const view = maker_view(&mesh);
+    bvx_mesh out;
+    o.sign = sign;
+    o.position_type = BVX_F64;
+    out = repaired_by(ctx, &view, &o);
+    assert_certified(&out);
+    bvx_mesh_free(ctx, &out);
+    return report.after.volume;
+}
+
+static void make_ball(const double centre[3], double radius)
+{
+    double const r[3] = {radius, radius, radius};
+    maker_star(&mesh, &seed, centre, r, 0, 24, 36, 65536);
+}
+
+/* Of what make_ball makes: no quite round ball. */
+static double ball_volume(double radius)
+{
+    static double unit;
+    if (unit == 0) {
+        static const double centre[3] = {0, 0, 0}, r[3] = {1, 1, 1};
+        maker_mesh ball = {0};
+        bvx_certificate c;
+        bvx_mesh_view view;
+        uint64_t any = 1;
+        maker_star(&ball, &any, centre, r, 0, 24, 36, 65536);
+        view = maker_view(&ball);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &c));
+        maker_free(&ball);
+        unit = c.volume;
+    }
+    return unit * radius * radius * radius;
+}
+
+/* ---- Defects of known shapes ---- */
+
+static void test_closed_mesh_keeps_its_volume(void)
+{
+    double const at[3] = {3, -2, 5};
+    bvx_certificate c;
+    bvx_mesh_view view;
+    make_ball(at, 2);
+    view = maker_view(&mesh);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &c));
+    TEST_ASSERT_DOUBLE_WITHIN(0.003 * c.volume, c.volume, repair_volume(48, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_INT32(BVX_SIGN_WINDING, report.sign);
+    TEST_ASSERT_EQUAL_UINT64(0, report.holes + report.shelled_triangles + report.sheet_edges);
+    TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
+}
+
+static void test_holes_are_closed(void)
+{
+    double const at[3] = {0, 0, 0};
+    for (int trial = 0; trial < (quick ? 4 : 20); trial++) {
+        maker_clear(&mesh);
+        make_ball(at, 2);
+        for (int i = 0; i < 12; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+        TEST_ASSERT_DOUBLE_WITHIN(0.03 * ball_volume(2), ball_volume(2), repair_volume(40, BVX_SIGN_AUTO));
+        TEST_ASSERT_TRUE(report.holes > 0 && report.hole_length > 0 && report.longest_hole <= report.hole_length);
+        TEST_ASSERT_EQUAL_UINT64(0, report.shelled_triangles);
+    }
+}
+
+/* A third of the ball is missing: the lid over it is flat. */
+static void test_wide_hole_gets_a_lid(void)
+{
+    double const at[3] = {0, 0, 0};
+    size_t i = 0;
+    make_ball(at, 2);
+    while (i < mesh.triangles) {
+        double z = 0;
+        for (int k = 0; k < 3; k++) z += mesh.p[3 * mesh.t[3 * i + (size_t)k] + 2] / 3;
+        if (z > 1.0) maker_remove(&mesh, i);
+        else i++;
+    }
+    /* less the cap above z = 1, of a round ball 5 / 32 */
+    TEST_ASSERT_DOUBLE_WITHIN(0.04 * ball_volume(2), ball_volume(2) * 27 / 32, repair_volume(48, BVX_SIGN_AUTO));
+    TEST_ASSERT_TRUE(report.sheet_edges > 100);
+    TEST_ASSERT_EQUAL_UINT64(1, report.holes);
+}
+
+static void test_flipped_triangles_do_not_matter(void)
+{
+    double const at[3] = {0, 0, 0};
+    make_ball(at, 2);
+    for (size_t i = 0; i < mesh.triangles; i++)
+        if (maker_below(&seed, 3) == 0) maker_flip(&mesh, i, i + 1);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_INT32(BVX_SIGN_VOTE, report.sign);
+}
+
+static void test_duplicates_count_once(void)
+{
+    double const at[3] = {0, 0, 0};
+    make_ball(at, 2);
+    for (size_t i = 0, n = mesh.triangles; i < n; i++)
+        for (int k = maker_below(&seed, 3); k > 0; k--) maker_duplicate(&mesh, i);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_SIGN_AUTO));
+    TEST_ASSERT_TRUE(report.before.duplicates > 0);
+}
+
+static void test_inside_out_mesh(void)
+{
+    double const at[3] = {0, 0, 0};
+    make_ball(at, 2);
+    maker_flip(&mesh, 0, mesh.triangles);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_SIGN_AUTO));
+}
+
+/* Two balls whose centres lie a radius apart: the union has 27/16 of one's volume. */
+static void test_overlapping_parts_are_one(void)
+{
+    double const a[3] = {0, 0, 0}, b[3] = {2, 0, 0};
+    make_ball(a, 2);
+    make_ball(b, 2);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), 27.0 / 16 * ball_volume(2), repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
+    TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
+}
+
+static void test_cavities_and_parts(void)
+{
+    double const a[3] = {0, 0, 0}, far[3] = {4, 0, 0};
+    bvx_repair_options o = defaults(64);
+    bvx_mesh_view view;
+    bvx_mesh out;
+    size_t first;
+    make_ball(a, 2);
+    first = mesh.triangles;
+    make_ball(a, 0.8);
+    maker_flip(&mesh, first, mesh.triangles);
+    make_ball(far, 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), ball_volume(2) - ball_volume(0.8) + ball_volume(0.5), repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_UINT64(2, report.parts_kept);
+    TEST_ASSERT_EQUAL_UINT64(1, report.cavities_kept);
+    view = maker_view(&mesh);
+    o.least_part = 1000;
+    o.least_cavity = 10000;
+    out = repaired_by(ctx, &view, &o);
+    assert_certified(&out);
+    TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
+    TEST_ASSERT_EQUAL_UINT64(1, report.parts_dropped);
+    TEST_ASSERT_EQUAL_UINT64(1, report.cavities_dropped);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), ball_volume(2), report.after.volume);
+    bvx_mesh_free(ctx, &out);
+}
+
+/* ---- Sheets ---- */
+
+static void make_plate(double wide)
+{
+    uint32_t const a = maker_vertex(&mesh, 0, 0, 0), b = maker_vertex(&mesh, wide, 0, 0.1), c = maker_vertex(&mesh, wide, wide, 0),
+                   d = maker_vertex(&mesh, 0, wide, 0.1);
+    maker_triangle(&mesh, a, b, c);
+    maker_triangle(&mesh, a, c, d);
+}
+
+static void test_sheet_becomes_a_shell(void)
+{
+    double const spacing = 4.0 / 40;
+    make_plate(4);
+    /* a plate of 4 x 4, two voxels thick, with half a pipe along its rim */
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * 3.6, 16 * 2 * spacing + 16 * 3.14159 * spacing * spacing / 2, repair_volume(40, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_INT32(1, report.shelled);
+    TEST_ASSERT_EQUAL_UINT64(2, report.shelled_triangles);
+}
+
+static void test_sheet_without_shells_is_an_error(void)
+{
+    bvx_repair_options o = defaults(40);
+    bvx_mesh_view view;
+    bvx_mesh out;
+    memset(&out, 0, sizeof out);
+    make_plate(4);
+    view = maker_view(&mesh);
+    o.shell = 0;
+    if (bvx_repair(ctx, &view, &o, &out) == BVX_OK) { /* the plate is bent, so a sliver may be left */
+        TEST_ASSERT_TRUE(out.triangle_count > 0);
+        bvx_mesh_free(ctx, &out);
+        return;
+    }
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "nothing is left"));
+    TEST_ASSERT_NULL(out.positions);
+}
+
+/* A ball beside a sheet: each becomes what it is. */
+static void test_bodies_and_sheets_together(void)
+{
+    double const at[3] = {-4, 0, 0};
+    size_t ball;
+    make_ball(at, 2);
+    ball = mesh.triangles;
+    make_plate(4);
+    (void)repair_volume(64, BVX_SIGN_AUTO);
+    TEST_ASSERT_EQUAL_UINT64(mesh.triangles - ball, report.shelled_triangles);
+    TEST_ASSERT_EQUAL_UINT64(2, report.after.components);
+    TEST_ASSERT_TRUE(report.after.volume > ball_volume(2));
+}
+
+/* ---- Anything ---- */
+
+static void make_anything(int kind)
+{
+    static const double low[3] = {0, 0, 0}, high[3] = {10, 9, 8}, centre[3] = {5, 5, 5}, radius[3] = {4, 4, 3};
+    if (kind % 4 == 0) maker_soup(&mesh, &seed, 1 + maker_below(&seed, 30), low, high, 1000);
+    if (kind % 4 == 1) maker_needles(&mesh, &seed, 1 + maker_below(&seed, 30), low, high, 1000);
+    if (kind % 4 >= 2) maker_star(&mesh, &seed, centre, radius, 0.6, 3 + maker_below(&seed, 6), 3 + maker_below(&seed, 8), 1000);
+    if (kind % 4 == 3) {
+        maker_star(&mesh, &seed, centre, radius, 0.9, 3, 5, 1000);
+        maker_degenerate(&mesh, &seed, 5, low, high, 1000);
+    }
+    for (int i = maker_below(&seed, 6); i > 0 && mesh.triangles > 2; i--) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+    for (int i = maker_below(&seed, 4); i > 0; i--) maker_duplicate(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+    if (maker_below(&seed, 2)) maker_flip(&mesh, 0, mesh.triangles / 2);
+}
+
+static void test_anything_is_closed(void)
+{
+    static const int32_t signs[] = {BVX_SIGN_AUTO, BVX_SIGN_EXACT, BVX_SIGN_WINDING, BVX_SIGN_VOTE};
+    for (int trial = 0; trial < (quick ? 40 : 1500); trial++) {
+        bvx_repair_options o = defaults(4 + maker_below(&seed, 24));
+        bvx_mesh_view view;
+        bvx_mesh out;
+        maker_clear(&mesh);
+        make_anything(trial);
+        view = maker_view(&mesh);
+        o.sign = signs[maker_below(&seed, 4)];
+        o.interpolation = maker_below(&seed, 5);
+        o.face_rule = maker_below(&seed, 2);
+        o.sharp = maker_below(&seed, 2);
+        out = repaired_by(ctx, &view, &o);
+        assert_certified(&out);
+        bvx_mesh_free(ctx, &out);
+    }
+}
+
+static void test_threads_and_code_paths_do_not_show(void)
+{
+    static const int32_t threads[] = {1, 2, 8}, cpu[] = {BVX_CPU_BEST, BVX_CPU_PORTABLE};
+    for (int trial = 0; trial < (quick ? 4 : 24); trial++) {
+        bvx_repair_options o = defaults(20);
+        bvx_mesh_view view;
+        uint64_t first = 0;
+        maker_clear(&mesh);
+        make_anything(trial);
+        view = maker_view(&mesh);
+        o.sharp = trial & 1;
+        for (int i = 0; i < 6; i++) {
+            bvx_context *const c = context_with(threads[i % 3], cpu[i / 3]);
+            bvx_mesh out = repaired_by(c, &view, &o);
+            uint64_t hash;
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(c, &out, &hash));
+            if (i == 0) first = hash;
+            TEST_ASSERT_EQUAL_HEX64(first, hash);
+            bvx_mesh_free(c, &out);
+            bvx_context_destroy(c);
+        }
+    }
+}
+
+/* ---- Options ---- */
+
+static void test_target_triangles(void)
+{
+    static const uint64_t target[] = {200, 1000, 5000};
+    double const at[3] = {0, 0, 0};
+    make_ball(at, 2);
+    for (int i = 0; i < 3; i++) {
+        bvx_repair_options o = defaults(128);
+        bvx_mesh_view const view = maker_view(&mesh);
+        bvx_mesh out;
+        o.target_triangles = target[i];
+        out = repaired_by(ctx, &view, &o);
+        assert_certified(&out);
+        TEST_ASSERT_TRUE(out.triangle_count <= target[i] && 2 * out.triangle_count > target[i]);
+        TEST_ASSERT_TRUE(report.searched > 1);
+        bvx_mesh_free(ctx, &out);
+    }
+}
+
+static void test_measured_distances(void)
+{
+    double const at[3] = {1e3, 0, 0};
+    bvx_repair_options o = defaults(48);
+    bvx_mesh_view view;
+    bvx_mesh out;
+    make_ball(at, 2);
+    view = maker_view(&mesh);
+    o.measure = 1;
+    o.measure_samples = 5000;
+    for (o.local_frame = 0; o.local_frame < 2; o.local_frame++) {
+        o.position_type = o.local_frame ? BVX_F32 : BVX_F64;
+        out = repaired_by(ctx, &view, &o);
+        assert_certified(&out);
+        TEST_ASSERT_TRUE(report.distance.mean_b_to_a < 0.05 * 4 / 48 && report.distance.max_b_to_a < 4.0 / 48);
+        TEST_ASSERT_TRUE(report.mean_off_caps > 0 && report.mean_off_caps < 0.05 * 4 / 48);
+        TEST_ASSERT_EQUAL_UINT64(0, report.overlaps);
+        bvx_mesh_free(ctx, &out);
+    }
+}
+
+static void assert_refused(const bvx_repair_options *o, bvx_status status, const char *word)
+{
+    bvx_mesh_view const view = maker_view(&mesh);
+    bvx_mesh out;
+    memset(&out, 0, sizeof out);
+    TEST_ASSERT_EQUAL_INT32(status, bvx_repair(ctx, &view, o, &out));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), word), bvx_last_message(ctx));
+    TEST_ASSERT_NULL(out.positions);
+}
+
+static void test_bad_options(void)
+{
+    double const at[3] = {0, 0, 0};
+    bvx_lattice const l = lattice_of(8, 8, 8);
+    bvx_repair_options o = defaults(16);
+    make_ball(at, 2);
+    o.sign = 99, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
+    o.sign = BVX_SIGN_NORMAL, assert_refused(&o, BVX_ERR_ARGUMENT, "normals"), o = defaults(16);
+    o.sign = BVX_SIGN_NONE, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
+    o.interpolation = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "interpolation"), o = defaults(16);
+    o.shell = 1.0, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
+    o.shell = NAN, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
+    o.sharp = 2, assert_refused(&o, BVX_ERR_ARGUMENT, "sharp"), o = defaults(16);
+    o.resolution = 0, assert_refused(&o, BVX_ERR_ARGUMENT, "resolution"), o = defaults(16);
+    o.measure = 1, o.measure_samples = 0, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"), o = defaults(16);
+    o.reserved[1] = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
+    o.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"), o = defaults(16);
+    o.least_part = 1000000, assert_refused(&o, BVX_ERR_EMPTY, "least_part"), o = defaults(16);
+    o.target_triangles = 2, assert_refused(&o, BVX_ERR_RANGE, "at most 2");
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_repair(ctx, NULL, NULL, NULL));
+}
+
+static void test_meshes_without_area(void)
+{
+    bvx_repair_options const o = defaults(16);
+    uint32_t a, b;
+    assert_refused(&o, BVX_ERR_EMPTY, "no triangles");
+    a = maker_vertex(&mesh, 0, 0, 0);
+    b = maker_vertex(&mesh, 1, 1, 1);
+    maker_triangle(&mesh, a, b, b);
+    maker_triangle(&mesh, a, b, maker_vertex(&mesh, 2, 2, 2));
+    assert_refused(&o, BVX_ERR_EMPTY, "area");
+    mesh.p[1] = NAN;
+    assert_refused(&o, BVX_ERR_RANGE, "vertex 0");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_closed_mesh_keeps_its_volume);
+    RUN_TEST(test_holes_are_closed);
+    RUN_TEST(test_wide_hole_gets_a_lid);
+    RUN_TEST(test_flipped_triangles_do_not_matter);
+    RUN_TEST(test_duplicates_count_once);
+    RUN_TEST(test_inside_out_mesh);
+    RUN_TEST(test_overlapping_parts_are_one);
+    RUN_TEST(test_cavities_and_parts);
+    RUN_TEST(test_sheet_becomes_a_shell);
+    RUN_TEST(test_sheet_without_shells_is_an_error);
+    RUN_TEST(test_bodies_and_sheets_together);
+    RUN_TEST(test_anything_is_closed);
+    RUN_TEST(test_threads_and_code_paths_do_not_show);
+    RUN_TEST(test_target_triangles);
+    RUN_TEST(test_measured_distances);
+    RUN_TEST(test_bad_options);
+    RUN_TEST(test_meshes_without_area);
+    return UNITY_END();
+}
