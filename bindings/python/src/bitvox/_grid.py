@@ -30,6 +30,7 @@ class Grid:
     """
 
     __slots__ = ("_c", "report", "attached", "_hash", "__weakref__")
+    __array_ufunc__ = None  # an operator between a grid and an array is an error, not an array
 
     def __init__(self, lattice: Lattice, window: WindowLike = None) -> None:
         """An empty grid of a lattice, or of a window of it."""

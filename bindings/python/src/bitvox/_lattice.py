@@ -62,7 +62,7 @@ class Lattice:
     @classmethod
     def _of(cls, struct: Any) -> Lattice:
         self = cls.__new__(cls)
-        self._c = ffi.new("bvx_lattice *", struct)
+        self._c = ffi.new("bvx_lattice *", struct[0] if ffi.typeof(struct).kind == "pointer" else struct)
         return self
 
     @classmethod
