@@ -55,12 +55,16 @@ from ._stages import (
     voxelize,
 )
 
+from ._trimesh import register as register_with_trimesh
+from ._trimesh import register_if_there as _register_if_there
+
 __version__ = _version()
+_register_if_there()
 
 __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
     "OutOfMemoryError", "RangeError", "UnsupportedError", "VersionError", "Window", "Writer", "carry", "check", "compare",
     "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets", "find_seed", "loads", "lod",
-    "merge", "read", "refine", "render", "repair", "settings", "surface", "surface_counts", "voxelize", "write",
+    "merge", "read", "refine", "register_with_trimesh", "render", "repair", "settings", "surface", "surface_counts", "voxelize", "write",
 ]
