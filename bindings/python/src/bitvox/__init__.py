@@ -35,6 +35,7 @@ from ._mesh import Mesh
 from ._octree import Octree, refine
 from ._run import settings
 from ._run import version as _version
+from ._sections import Loop, Sections
 from ._stages import (
     Closest,
     FillComparison,
@@ -63,8 +64,8 @@ _register_if_there()
 
 __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
-    "FormatError", "Grid", "Image", "Lattice", "LatticeError", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
-    "OutOfMemoryError", "RangeError", "UnsupportedError", "VersionError", "Window", "Writer", "carry", "check", "compare",
+    "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
+    "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Window", "Writer", "carry", "check", "compare",
     "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets", "find_seed", "loads", "lod",
     "merge", "read", "refine", "register_with_trimesh", "render", "repair", "settings", "surface", "surface_counts", "voxelize", "write",
 ]
