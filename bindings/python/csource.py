@@ -23,7 +23,8 @@ def prepare() -> Path:
         SOURCE.mkdir(exist_ok=True)
         with tempfile.TemporaryDirectory() as made:
             subprocess.run(["sh", "src/amalgamate.sh", made], cwd=REPOSITORY, check=True)
-            for name in ("bitvox.c", "bitvox.h"):
+            shutil.copyfile(REPOSITORY / "LICENSE", Path(made) / "LICENSE")
+            for name in ("bitvox.c", "bitvox.h", "LICENSE"):
                 old, new = SOURCE / name, Path(made) / name
                 if not old.is_file() or old.read_bytes() != new.read_bytes():
                     shutil.copyfile(new, old)

@@ -21,7 +21,7 @@ command -v "$PYTHON" >/dev/null 2>&1 || { echo "$PYTHON is missing" && exit 77; 
 python=$work/venv/bin/python
 get() { "$python" -m pip install --quiet --disable-pip-version-check "$@"; }
 
-get 'setuptools>=61' wheel 'cffi>=1.15' 'pcpp>=1.30' 'numpy>=1.22' pytest hypothesis || { echo "pip cannot install what the build needs" && exit 77; }
+get 'setuptools>=77' 'cffi>=1.15' 'pcpp>=1.30' 'numpy>=1.22' pytest hypothesis || { echo "pip cannot install what the build needs" && exit 77; }
 for package in scipy scikit-image trimesh rtree networkx lxml tqdm meshio pyvista nibabel pydicom Pillow ezdxf \
     'dask[array,distributed]' 'zarr>=3' pdoc; do
     get "$package" || echo "pip could not install $package: its tests are skipped"
