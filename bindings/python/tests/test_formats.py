@@ -257,6 +257,7 @@ def test_meshes_through_trimesh(tmp_path, ending):
 def test_unknown_endings(tmp_path):
     with pytest.raises(bitvox.UnsupportedError, match="docx"):
         bitvox.read(tmp_path / "a.docx")
+    pytest.importorskip("trimesh")
     with pytest.raises(FileNotFoundError):
         bitvox.read(tmp_path / "a.3mf")
 

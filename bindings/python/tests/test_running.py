@@ -126,7 +126,14 @@ def everything(mesh, grid):
     tree = bitvox.refine(mesh, levels=2)
     closest = bitvox.Closest(mesh)
     surface = bitvox.surface(grid, keys=True)
+    found = []
+    if hasattr(bitvox._run.lib, "bvx_measure_field") and hasattr(bitvox._run.lib, "bvx_extract_field_surface"):
+        measured = bitvox.field(mesh, resolution=12, features=True)
+        found = [measured.distances.tobytes(), measured.to_numpy().tobytes(), measured.surface().content_hash()]
+    if hasattr(bitvox._run.lib, "bvx_repair"):
+        found.append(bitvox.repair(mesh, resolution=16).content_hash())
     return [
+        *found,
         solid.content_hash(), bitvox.voxelize(mesh, resolution=30, mode="conservative", attached=True).content_hash(),
         surface.content_hash(), bitvox.faces(grid).content_hash(), bitvox.merge([surface]).content_hash(),
         [level.content_hash() for level in bitvox.lod(solid, levels=(12, 6))], bitvox.check(mesh), bitvox.compare(mesh, surface, samples=200),
@@ -217,6 +224,7 @@ def test_ten_thousand_calls_leak_nothing(tetrahedron, tmp_path):
     lattice = bitvox.Lattice((32, 32, 32), 1 / 32)
     data = bitvox.dumps(tetrahedron, "ply")
     seeds = [[31, 31, 31]]
+    fields = hasattr(bitvox._run.lib, "bvx_measure_field")
 
     def calls():
         grid = bitvox.voxelize(tetrahedron, lattice=lattice)
@@ -228,6 +236,8 @@ def test_ten_thousand_calls_leak_nothing(tetrahedron, tmp_path):
         bitvox.render(grid, size=(16, 16)).pixels
         bitvox.voxelize(tetrahedron, lattice=lattice, mode="thin", attached=True)
         grid.fill(seeds)
+        if fields:
+            bitvox.field(tetrahedron, lattice=lattice).distances.sum()
         try:
             bitvox.voxelize(tetrahedron, lattice=lattice, progress=lambda s, f: False)
         except bitvox.Cancelled:

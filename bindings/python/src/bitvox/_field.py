@@ -15,7 +15,7 @@ from ._records import record
 from ._run import Progress, Run, choice, ffi, function, lib, name_of, options_of
 
 SIGNS = ("auto", "exact", "normal", "pseudonormal", "winding", "vote", "none")
-EDGES = ("vector", "scalar", "middle", "paper")
+EDGES = ("vector", "scalar", "middle", "paper", "tangent")
 
 
 class Field:
@@ -132,7 +132,7 @@ class Field:
     def surface(
         self,
         *,
-        interpolation: str = "vector",
+        interpolation: str | None = None,
         face_rule: str = "separate",
         sharp: bool = False,
         sharp_angle: float = 0.8,
@@ -145,13 +145,15 @@ class Field:
         """The closed surface between inside and outside centres, with vertices where the field has it.
 
         Args:
-            interpolation: "vector" (closest points of both ends), "scalar" (signed distances), "middle", or "paper".
+            interpolation: "vector" (closest points of both ends), "scalar" (signed distances), "middle", "paper" or, where the
+                library has it, "tangent" (planes that touch the surface). None: the library's default.
             sharp: cells on sharp edges and corners get a vertex there; ``sharp_angle`` is the cosine between facets that
                 still count as smooth.
             dtype: float32 or float64; None: float32 where it can tell neighbouring positions apart.
         """
         options = options_of("field_surface_options")
-        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+        if interpolation is not None:
+            options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
         options.sharp, options.sharp_angle, options.local_frame = int(bool(sharp)), float(sharp_angle), int(bool(local_frame))
         report = ffi.new("bvx_field_surface_report *")
@@ -162,11 +164,11 @@ class Field:
         made.report = record(report)
         return made
 
-    def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write signed distances as .npy, .nrrd or .vti."""
+    def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:
+        """Write signed distances, or vectors, as .npy, .nrrd or .vti."""
         from ._files import write
 
-        write(self, path, format=format)
+        write(self, path, format=format, vectors=vectors)
 
     def __repr__(self) -> str:
         x, y, z = self.shape

@@ -124,7 +124,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     raise UnsupportedError(f"format {format!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}")
 
 
-def dumps(thing: Any, format: str, *, states: Any = None, threads: int | None = None, memory_limit: int | None = None,
+def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, threads: int | None = None, memory_limit: int | None = None,
           progress: Progress = None) -> bytes:
     """The bytes of a file: a mesh as stl, obj, ply, off or glb; a grid as npy, binvox, vox, nrrd, vti or bvx; an octree as
     vtu; a field as npy, nrrd or vti; an image as png."""
@@ -136,6 +136,8 @@ def dumps(thing: Any, format: str, *, states: Any = None, threads: int | None = 
     out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
     if states is not None and not isinstance(thing, Octree):
         raise ArgumentError("states are for octrees")
+    if vectors and not isinstance(thing, Field):
+        raise ArgumentError("vectors are for fields")
     with Run(threads, memory_limit, progress) as run:
         if isinstance(thing, Image) and kind == "png":
             return thing.png()
@@ -144,7 +146,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, threads: int | None = 
         elif isinstance(thing, Octree) and kind == "vtu":
             run.check(lib.bvx_write_octree(run.context, thing._c, states_of(states), _number(kind), out))
         elif isinstance(thing, Field) and kind in ("npy", "nrrd", "vti"):
-            run.check(function("bvx_write_field")(run.context, thing._c, 0, _number(kind), out))
+            run.check(function("bvx_write_field")(run.context, thing._c, int(vectors), _number(kind), out))
         elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image)):
             run.check(lib.bvx_write_mesh(run.context, Mesh.of(thing)._struct(run), _number(kind), out))
         else:
@@ -152,7 +154,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, threads: int | None = 
     return bytes(ffi.buffer(out.bytes, out.size))
 
 
-def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, threads: int | None = None,
+def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False, threads: int | None = None,
           memory_limit: int | None = None, progress: Progress = None) -> None:
     """Write a mesh, grid, octree, field or image to a file, whole or not at all.
 
@@ -161,11 +163,13 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
         path: its ending tells the format; .gz packs it. Beside .npy and .vox of a grid, FILE.json gets the lattice.
         format: the format, in place of the name's ending.
         states: of an octree: which leaves, ("surface", "inside") unless told.
+        vectors: of a field: vectors in place of signed distances.
     """
     path = os.fspath(path)
     kind = _format_of(path, format)
-    data = dumps(thing, kind, states=states, threads=threads, memory_limit=memory_limit, progress=progress)
-    beside = lattice_json(thing) if isinstance(thing, Grid) and kind in _BESIDE else None
+    data = dumps(thing, kind, states=states, vectors=vectors, threads=threads, memory_limit=memory_limit, progress=progress)
+    placed = thing.band if hasattr(thing, "band") else thing
+    beside = lattice_json(placed) if isinstance(placed, Grid) and kind in _BESIDE else None
     write_bytes(path, data)
     if beside is not None:
         write_bytes(path + ".json", beside)

@@ -6,7 +6,7 @@ import os
 from typing import Any, NamedTuple, Sequence
 
 from . import _arrays as arrays
-from ._errors import ArgumentError, LatticeError
+from ._errors import ArgumentError, FormatError, LatticeError
 from ._lattice import Lattice, WindowLike, set_window
 from ._records import record
 from ._run import Run, ffi, lib
@@ -346,6 +346,8 @@ def _grid_from(lattice: Lattice, low: Any, shape: Any, data: bytes) -> Grid:
     grid = Grid(lattice, (low, shape))
     if not arrays.LITTLE:
         data = arrays.numpy("unpickling").frombuffer(data, "<u8").astype("u8").tobytes()
+    if len(data) != 8 * grid._c.words_per_row * grid._c.size[1] * grid._c.size[2]:
+        raise FormatError(f"{len(data)} bytes are not those of a grid of shape {grid.shape}")
     ffi.memmove(grid._c.words, data, len(data))
     return grid
 

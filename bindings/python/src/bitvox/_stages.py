@@ -570,10 +570,10 @@ def repair(
     resolution: int | None = None,
     lattice: Lattice | None = None,
     sign: str = "auto",
-    interpolation: str = "vector",
+    interpolation: str | None = None,
     face_rule: str = "separate",
     sharp: bool = False,
-    shell: float = 2.0,
+    shell: float | None = None,
     least_part: int = 0,
     least_cavity: int = 0,
     triangles: int | None = None,
@@ -591,9 +591,9 @@ def repair(
         mesh: what `Mesh.of` takes.
         resolution: voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
         sign: what decides that a centre is inside: "auto", "exact", "normal", "pseudonormal", "winding" or "vote".
-        interpolation: where vertices go: "vector", "scalar", "middle" or "paper".
+        interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
         sharp: cells on sharp edges and corners get a vertex there.
-        shell: thickness that open sheets are given [largest spacings]; 0: none are made.
+        shell: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
         least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels].
         triangles: most triangles, by the largest resolution that a search finds not to exceed them; 0 or None: no limit.
         measure: measure the distances between input and result, from ``measure_samples`` points a side.
@@ -614,10 +614,12 @@ def repair(
     elif resolution is not None:
         options.resolution = in_range("resolution", resolution, 1, 2**24)
     options.sign = choice("sign", sign, "BVX_SIGN_", SIGNS)
-    options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    if interpolation is not None:
+        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
     options.sharp, options.local_frame, options.measure = int(bool(sharp)), int(bool(local_frame)), int(bool(measure))
-    options.shell = float(shell)
+    if shell is not None:
+        options.shell = float(shell)
     options.least_part = in_range("least_part", least_part, 0, 2**64 - 1)
     options.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
     options.target_triangles = 0 if triangles is None else in_range("triangles", triangles, 0, 2**64 - 1)
