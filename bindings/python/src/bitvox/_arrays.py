@@ -45,7 +45,7 @@ def numpy(what: str) -> Any:
 # ---- out ----
 
 
-def memory(pointer: Any, size: int, owner: Any) -> memoryview:
+def memory(pointer: Any, size: int, owner: Any) -> Any:
     """size bytes at pointer, which keep owner alive."""
     if size == 0:
         return memoryview(bytearray())
@@ -279,16 +279,17 @@ def numbers_in(values: Any, what: str, columns: int, dtype: str = "float64") -> 
     return Borrowed(address(packed), len(packed), 0, kind, packed)
 
 
-def _rows_without_numpy(values: Any, what: str, code: str, columns: int = 3) -> memoryview:
+def _rows_without_numpy(values: Any, what: str, code: str, columns: int = 3) -> Any:
     """Rows from a two-dimensional buffer of the right type, or from nested sequences."""
+    view: Any = None
     try:
         view = memoryview(values)
     except TypeError:
-        view = None
+        pass
     if view is not None and view.ndim == 2 and view.c_contiguous and view.shape[1] == columns:
         if view.format.lstrip("@=") == code or (what == "vertices" and view.format in "fd") or (what == "faces" and view.format in "HIQ"):
             return view
-    flat = plain_array(code)
+    flat: Any = plain_array(code)
     rows = 0
     for i, row in enumerate(values.tolist() if view is not None else values):
         row = list(row)
@@ -302,7 +303,7 @@ def _rows_without_numpy(values: Any, what: str, code: str, columns: int = 3) -> 
         except OverflowError:
             raise RangeError(f"{what}[{i}]: a number does not fit") from None
         rows += 1
-    made = memoryview(flat)
+    made: Any = memoryview(flat)
     return made.cast("B").cast(code, [rows, columns]) if rows else made
 
 

@@ -85,7 +85,7 @@ class Lattice:
             options.spacing = triple("spacing", spacing)
         elif resolution is None:
             options.resolution = 256
-        elif isinstance(resolution, (list, tuple)) or getattr(resolution, "ndim", 0):
+        elif isinstance(resolution, (list, tuple)) or getattr(resolution, "ndim", None):
             options.axis_resolution = triple("resolution", resolution, int)
         else:
             options.resolution = in_range("resolution", resolution, 1, 2**25)

@@ -363,7 +363,7 @@ def lod(
     options.local_frame = int(bool(local_frame))
     options.collapse = 0.0 if collapse is None else float(collapse)
     count, finest, kept = _set_levels(options, levels, triangles)
-    limits = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     mesh: Mesh | None = None
     if isinstance(source, Grid) or (getattr(source, "ndim", 0) == 3 and not hasattr(source, "faces")):
         for name, value in {"resolution": resolution, "fill": fill, "close_gaps": close_gaps, "padding": padding, "carry": carry or None}.items():

@@ -54,7 +54,8 @@ def _child(element: Any, name: str) -> Any:
 
 def _object(element: Any, path: str) -> tuple[Any, Any]:
     np = arrays.numpy("AMF")
-    vertices, faces = [], []
+    vertices: list[Any] = []
+    faces: list[Any] = []
     called = element.get("id", "?")
     try:
         for mesh in (m for m in element if _tag(m) == "mesh"):
@@ -112,7 +113,7 @@ def _turn(degrees: list[float]) -> Any:
     np = arrays.numpy("AMF")
     total = np.eye(3)
     for axis, angle in enumerate(degrees):
-        quarter = {0: (1, 0), 90: (0, 1), 180: (-1, 0), 270: (0, -1)}.get(angle % 360)
+        quarter = {0.0: (1, 0), 90.0: (0, 1), 180.0: (-1, 0), 270.0: (0, -1)}.get(angle % 360)
         c, s = quarter if quarter is not None else (np.cos(np.radians(angle)), np.sin(np.radians(angle)))
         i, j = (axis + 1) % 3, (axis + 2) % 3
         one = np.eye(3)
