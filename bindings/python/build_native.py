@@ -15,19 +15,11 @@ import csource  # noqa: E402
 # Results are freed without a context at hand, and words of grids are combined here until the library does it.
 GLUE_CDEF = """
 extern "Python" int32_t bvxpy_progress(void *, const char *, double);
-void bvxpy_free_grid(bvx_grid *grid);
-void bvxpy_free_mesh(bvx_mesh *mesh);
-void bvxpy_free_attached(bvx_attached *attached);
-void bvxpy_free_buffer(bvx_buffer *buffer);
-void bvxpy_free_image(bvx_image *image);
-void bvxpy_free_closest(bvx_closest *closest);
-void bvxpy_free_octree(bvx_octree *tree);
 void bvxpy_combine(uint64_t *out, const uint64_t *a, const uint64_t *b, uint64_t count, int operation);
 void bvxpy_invert(bvx_grid *grid);
 """
-GLUE_FIELD_CDEF = """
-void bvxpy_free_field(bvx_field *field);
-"""
+# What the library makes and takes back; an older library has fewer.
+THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections")
 
 GLUE = """
 #include "bitvox.h"
@@ -40,14 +32,6 @@ GLUE = """
         bvx_##name##_free(context, thing); \\
         bvx_context_destroy(context); \\
     }
-BVXPY_FREE(grid, bvx_grid)
-BVXPY_FREE(mesh, bvx_mesh)
-BVXPY_FREE(attached, bvx_attached)
-BVXPY_FREE(buffer, bvx_buffer)
-BVXPY_FREE(image, bvx_image)
-BVXPY_FREE(closest, bvx_closest)
-BVXPY_FREE(octree, bvx_octree)
-
 /* 0: and, 1: or, 2: exclusive or, 3: and not */
 static void bvxpy_combine(uint64_t *out, const uint64_t *a, const uint64_t *b, uint64_t count, int operation)
 {
@@ -73,11 +57,6 @@ static void bvxpy_invert(bvx_grid *grid)
     }
 }
 """
-GLUE_FIELD = """
-BVXPY_FREE(field, bvx_field)
-"""
-
-
 def compiles(compiler: str, flags: list[str], program: str = "int main(void) { return 0; }\n") -> bool:
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "probe.c"
@@ -115,15 +94,16 @@ def flags() -> tuple[list[str], list[str]]:
 
 def builder() -> FFI:
     header = csource.prepare()
-    fields = "bvx_field_free" not in csource.missing(header)
+    callable_here = set(csource.declared(header)) - set(csource.missing(header))
+    things = [name for name in THINGS if f"bvx_{name}_free" in callable_here]
     compile_flags, link_flags = flags()
     ffi = FFI()
     ffi.cdef(csource.cdef(header))
-    ffi.cdef(GLUE_CDEF + (GLUE_FIELD_CDEF if fields else ""))
+    ffi.cdef(GLUE_CDEF + "".join(f"void bvxpy_free_{name}(bvx_{name} *thing);\n" for name in things))
     here = Path(__file__).resolve().parent
     ffi.set_source(
         "bitvox._native",
-        GLUE + (GLUE_FIELD if fields else ""),
+        GLUE + "".join(f"BVXPY_FREE({name}, bvx_{name})\n" for name in things),
         sources=[os.path.relpath(header.with_name("bitvox.c"), here)],
         depends=[os.path.relpath(header, here)],
         include_dirs=[os.path.relpath(header.parent, here)],

@@ -35,7 +35,7 @@ from ._mesh import Mesh
 from ._octree import Octree, refine
 from ._run import settings
 from ._run import version as _version
-from ._sections import Loop, Sections
+from ._sections import Loop, Sections, from_sections, slice_mesh
 from ._stages import (
     Closest,
     FillComparison,
@@ -66,6 +66,6 @@ __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
     "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Window", "Writer", "carry", "check", "compare",
-    "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets", "find_seed", "loads", "lod",
-    "merge", "read", "refine", "register_with_trimesh", "render", "repair", "settings", "surface", "surface_counts", "voxelize", "write",
+    "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets", "find_seed", "from_sections", "loads", "lod",
+    "merge", "read", "refine", "register_with_trimesh", "render", "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "write",
 ]

@@ -10,6 +10,7 @@ from ._grid import Grid, new_grid
 from ._lattice import WindowLike, set_window
 from ._mesh import Mesh, new_mesh
 from ._run import Progress, Run, ffi, function, lib
+from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
 
 MESH_FORMATS = ("stl", "obj", "ply", "off")
 MESH_OUTPUTS = (*MESH_FORMATS, "glb")
@@ -28,7 +29,10 @@ def _format_of(path: str, format: str | None) -> str:
 
 
 def _number(format: str) -> int:
-    return getattr(lib, f"BVX_FORMAT_{format.upper()}")
+    number = getattr(lib, f"BVX_FORMAT_{format.upper()}", None)
+    if number is None:
+        raise UnsupportedError(f"this build of the library has no format {format!r}")
+    return number
 
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
@@ -69,40 +73,44 @@ def _umask() -> int:
     return mask
 
 
-def read(path: str | os.PathLike[str], *, format: str | None = None, window: WindowLike = None, threads: int | None = None,
-         memory_limit: int | None = None, progress: Progress = None) -> Any:
+def read(path: str | os.PathLike[str], *, format: str | None = None, window: WindowLike = None, close_gap: float | None = None,
+         threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
     """Read a mesh or a grid.
 
     Args:
-        path: .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids), each also as .gz; .amf .3mf .glb and
+        path: .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids), .csl .csv (sections), each also as .gz; .amf .3mf .glb and
             other meshes that trimesh reads, with ``bitvox[formats]``. Beside .npy and .vox, FILE.json tells the lattice.
         format: one of these endings, in place of the name's own.
         window: of a grid: only these voxels, counted from the file's own first one.
+        close_gap: of .csv: refuse loops whose ends lie further apart than this [world]; None closes every loop.
 
     Returns:
-        A `Mesh` or a `Grid`.
+        A `Mesh`, a `Grid` or `Sections`.
 
     Raises:
         FormatError: what is wrong with which byte or line. OSError: as `open`.
     """
     path = os.fspath(path)
     kind = _format_of(path, format)
-    if kind in MESH_FORMATS + GRID_FORMATS:
+    if kind in MESH_FORMATS + GRID_FORMATS + SECTION_FORMATS:
         beside = path + ".json" if kind in _BESIDE and os.path.isfile(path + ".json") else None
-        return loads(read_bytes(path), kind, window=window, lattice=None if beside is None else read_bytes(beside),
+        return loads(read_bytes(path), kind, window=window, close_gap=close_gap, lattice=None if beside is None else read_bytes(beside),
                      threads=threads, memory_limit=memory_limit, progress=progress)
-    if window is not None:
-        raise ArgumentError("window is for grids")
+    if window is not None or close_gap is not None:
+        raise ArgumentError("window is for grids, close_gap for sections")
     from .formats import read_other
 
     return read_other(path, kind)
 
 
-def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None, threads: int | None = None,
+def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None,
+          close_gap: float | None = None, threads: int | None = None,
           memory_limit: int | None = None, progress: Progress = None) -> Any:
     """Read a mesh or a grid from the bytes of a file; ``lattice`` are those of the side-car of .npy and .vox."""
     kind = format.lower().lstrip(".")
     held = ffi.from_buffer(data)
+    if close_gap is not None and kind not in SECTION_FORMATS:
+        raise ArgumentError("close_gap is for sections")
     with Run(threads, memory_limit, progress) as run:
         if kind in MESH_FORMATS:
             if window is not None or lattice is not None:
@@ -110,6 +118,10 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
             mesh = new_mesh()
             run.check(lib.bvx_read_mesh(run.context, held, len(held), _number(kind), mesh))
             return Mesh._made(mesh)
+        if kind in SECTION_FORMATS:
+            if window is not None or lattice is not None:
+                raise ArgumentError("window and lattice are for grids")
+            return read_sections(held, _number(kind), close_gap, run)
         if kind in GRID_FORMATS:
             grid = new_grid()
             box = ffi.new("bvx_window *")
@@ -127,7 +139,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
 def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, threads: int | None = None, memory_limit: int | None = None,
           progress: Progress = None) -> bytes:
     """The bytes of a file: a mesh as stl, obj, ply, off or glb; a grid as npy, binvox, vox, nrrd, vti or bvx; an octree as
-    vtu; a field as npy, nrrd or vti; an image as png."""
+    vtu; a field as npy, nrrd or vti; sections as csl, csv or svg; an image as png."""
     from ._field import Field
     from ._image import Image
     from ._octree import Octree, states_of
@@ -145,9 +157,11 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
             run.check(lib.bvx_write_grid(run.context, thing._c, _number(kind), out))
         elif isinstance(thing, Octree) and kind == "vtu":
             run.check(lib.bvx_write_octree(run.context, thing._c, states_of(states), _number(kind), out))
+        elif isinstance(thing, Sections) and kind in SECTION_OUTPUTS:
+            run.check(function("bvx_write_sections")(run.context, thing._struct(run), _number(kind), out))
         elif isinstance(thing, Field) and kind in ("npy", "nrrd", "vti"):
             run.check(function("bvx_write_field")(run.context, thing._c, int(vectors), _number(kind), out))
-        elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image)):
+        elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
             run.check(lib.bvx_write_mesh(run.context, Mesh.of(thing)._struct(run), _number(kind), out))
         else:
             raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}")

@@ -231,7 +231,8 @@ class Mesh:
         if self._keys is not None:
             mesh.vertex_keys = ffi.cast("uint64_t *", arrays.address(self._keys[0]))
             mesh.triangle_keys = ffi.cast("uint64_t *", arrays.address(self._keys[1]))
-        run.meshes += [self, _Kept(keep)]
+        run.meshes.append(self)
+        run.keep(keep)
         return mesh
 
     def _refuse_negative_faces(self) -> None:
@@ -342,18 +343,6 @@ class Mesh:
         from ._files import write
 
         write(self, path, format=format)
-
-
-class _Kept:
-    """Arrays that a call points at."""
-
-    __slots__ = ("kept",)
-
-    def __init__(self, kept: Any) -> None:
-        self.kept = kept
-
-    def _refuse_negative_faces(self) -> None:
-        return None
 
 
 def new_mesh() -> Any:

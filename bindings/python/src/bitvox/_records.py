@@ -21,6 +21,7 @@ _NAMES = {
     "bvx_field_surface_report": "FieldSurfaceReport",
     "bvx_lod_report": "LodReport",
     "bvx_repair_report": "RepairReport",
+    "bvx_sections_report": "SectionsReport",
 }
 _YES_NO = {"closed", "edge_manifold", "vertex_manifold", "oriented", "exceeds_source", "found", "verified", "flood_leaked",
            "shelled"}

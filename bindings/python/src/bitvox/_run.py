@@ -103,7 +103,7 @@ class _Bar:
 class Run:
     """One call: ``with Run(...) as run: run.check(lib.bvx_...(run.context, ...))``."""
 
-    __slots__ = ("context", "progress", "error", "handle", "meshes", "alive", "token", "bar", "__weakref__")
+    __slots__ = ("context", "progress", "error", "handle", "meshes", "kept", "alive", "token", "bar", "__weakref__")
 
     def __init__(self, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
         given = _settings.get()
@@ -122,6 +122,7 @@ class Run:
             raise TypeError(f"progress must be True or a callable, not {type(progress).__name__}")
         self.error: BaseException | None = None
         self.meshes: list[Any] = []
+        self.kept: list[Any] = []
         self.alive = False
         out = ffi.new("bvx_context **")
         status = lib.bvx_context_create_version(lib.BVX_VERSION, options, out)
@@ -140,6 +141,10 @@ class Run:
         if self.bar is not None:
             self.bar.close()
         self.context = self.handle = None
+
+    def keep(self, things: Any) -> None:
+        """Hold on to what a struct points at until the call is over."""
+        self.kept.append(things)
 
     def message(self) -> str:
         return ffi.string(lib.bvx_last_message(self.context)).decode("utf-8", "replace")
