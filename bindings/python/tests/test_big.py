@@ -182,3 +182,25 @@ def test_distributed_with_a_killed_worker(tmp_path):
         big.to_zarr(volume, tmp_path / "a.zarr")
         assert big.from_zarr(tmp_path / "a.zarr").compute() == grid
         assert big.surface(big.from_zarr(tmp_path / "a.zarr")).content_hash() == mesh.content_hash()
+
+
+def peak():
+    """Most bytes that this process ever held."""
+    import resource
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+@pytest.mark.skipif(not os.environ.get("BITVOX_LARGE"), reason="takes a minute and 2 GiB: BITVOX_LARGE=1 asks for it")
+def test_dragon_of_2048_voxels(shared, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    path = shared("meshes/dragon_vrip_871414.ply.gz")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
+                                  local_directory=str(tmp_path)) as cluster, distributed.Client(cluster) as client:
+        volume = big.voxelize(path, resolution=2048, chunks=512)
+        mesh = big.surface(volume)
+        assert all(held < 1.5 * 2**30 for held in client.run(peak).values())
+    found = (mesh.n_faces, mesh.content_hash(), [bitvox.content_hash(keys) for keys in mesh.keys])
+    del mesh
+    single = bitvox.surface(bitvox.voxelize(path, lattice=volume.lattice), keys=True)
+    assert found == (single.n_faces, single.content_hash(), [bitvox.content_hash(keys) for keys in single.keys])

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import box_mesh
+from conftest import HERE, box_mesh
 
 import bitvox
 
@@ -70,6 +70,24 @@ def test_pyvista():
     assert grid.count == 60 and grid.center0 == (7, 8, 9)
     with pytest.raises(bitvox.ArgumentError):
         points.bitvox.grid("y")
+
+
+def test_plot(tmp_path):
+    pytest.importorskip("pyvista")
+    code = f"""import sys
+sys.path.insert(0, {str(HERE)!r})
+import bitvox
+from conftest import HERE, box_mesh
+mesh = bitvox.Mesh(*box_mesh(), colours=[[255, 0, 0]] * 8)
+mesh.plot(off_screen=True, screenshot={str(tmp_path / "a.png")!r}, window_size=(80, 60))
+bitvox.voxelize(mesh, resolution=4).plot(off_screen=True, screenshot={str(tmp_path / "b.png")!r}, window_size=(80, 60))
+"""
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
+    if found.returncode < 0 or "Traceback" not in found.stderr and found.returncode:
+        pytest.skip("PyVista cannot draw here")
+    assert found.returncode == 0, found.stderr
+    for name in ("a.png", "b.png"):
+        assert (tmp_path / name).read_bytes()[1:4] == b"PNG"
 
 
 def test_meshio():

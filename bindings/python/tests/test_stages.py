@@ -179,6 +179,8 @@ def test_lod(knot):
     assert bitvox.lod(solid.to_numpy(), levels=[16], method="coverage")[0].n_faces > 0
     with pytest.raises(bitvox.RangeError):
         bitvox.lod(solid, levels=500)
+    with pytest.raises(bitvox.ArgumentError, match="triangles or voxels"):
+        bitvox.lod(knot.vertices[knot.faces], levels=8)
 
 
 def test_compare_meshes(ball):

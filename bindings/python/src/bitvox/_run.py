@@ -64,7 +64,6 @@ def settings(*, threads: int | None = None, memory_limit: int | None = None, pro
 @ffi.def_extern(error=1, onerror=lambda kind, value, trace: _stopped(value))
 def bvxpy_progress(user: Any, stage: Any, fraction: float) -> int:
     run = ffi.from_handle(user)
-    run.alive = True
     if run.progress is None:
         return 0
     try:
@@ -103,7 +102,7 @@ class _Bar:
 class Run:
     """One call: ``with Run(...) as run: run.check(lib.bvx_...(run.context, ...))``."""
 
-    __slots__ = ("context", "progress", "error", "handle", "meshes", "kept", "alive", "token", "bar", "__weakref__")
+    __slots__ = ("context", "progress", "error", "handle", "meshes", "kept", "token", "bar", "__weakref__")
 
     def __init__(self, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
         given = _settings.get()
@@ -123,7 +122,6 @@ class Run:
         self.error: BaseException | None = None
         self.meshes: list[Any] = []
         self.kept: list[Any] = []
-        self.alive = False
         out = ffi.new("bvx_context **")
         status = lib.bvx_context_create_version(lib.BVX_VERSION, options, out)
         if status != lib.BVX_OK:

@@ -363,6 +363,8 @@ def lod(
     options.local_frame = int(bool(local_frame))
     options.collapse = 0.0 if collapse is None else float(collapse)
     count, finest, kept = _set_levels(options, levels, triangles)
+    if getattr(source, "ndim", 0) == 3 and tuple(source.shape[1:]) == (3, 3):
+        raise ArgumentError(f"an array of shape {tuple(source.shape)} may be triangles or voxels: give Mesh(array) or Grid.from_numpy(array)")
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     mesh: Mesh | None = None
     if isinstance(source, Grid) or (getattr(source, "ndim", 0) == 3 and not hasattr(source, "faces")):
