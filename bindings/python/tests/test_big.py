@@ -100,6 +100,10 @@ def test_dask_volume():
     shell = big.voxelize(bitvox.read(KNOT), grid.lattice, chunks=(64, 70, 30), mode="conservative")
     assert volume.map(operator.sub, shell).compute() == grid - shell.compute()
     assert volume.map(operator.invert).count() == (~grid).count
+    from dask.base import tokenize
+
+    assert tokenize(bitvox.read(KNOT)) == tokenize(bitvox.read(KNOT)) != tokenize(mesh)  # equal work has one name
+    assert tokenize(grid) == tokenize(bitvox.Grid.from_numpy(grid.to_numpy(), lattice=grid.lattice)) != tokenize(~grid)
     odd = big.from_dask(array.rechunk((50, 150, 25)), grid.lattice)
     assert odd.compute() == grid and big.surface(odd).content_hash() == mesh.content_hash()
     with pytest.raises(bitvox.ArgumentError):

@@ -334,6 +334,9 @@ class Grid:
         x, y, z = self.shape
         return f"Grid({x} x {y} x {z}, {self.count} set)"
 
+    def __dask_tokenize__(self) -> Any:
+        return (type(self).__name__, self.content_hash())
+
     def __reduce__(self) -> Any:
         size = self._c.size[2] * self._c.size[1] * self._c.words_per_row * 8
         data = bytes(ffi.buffer(self._c.words, size))

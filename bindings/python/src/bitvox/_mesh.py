@@ -289,6 +289,9 @@ class Mesh:
     def __repr__(self) -> str:
         return f"Mesh({self.n_vertices} vertices, {self.n_faces} faces)"
 
+    def __dask_tokenize__(self) -> Any:
+        return (type(self).__name__, *self.__getstate__()[:2])
+
     def __getstate__(self) -> Any:
         np = arrays.numpy("pickling")
         held = [self._vertices, self._faces, self._colours, self._uvs, self._uv_faces, *(self._keys or (None, None))]

@@ -39,7 +39,7 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
     group.create_array("0", shape=volume.shape[::-1], chunks=pieces, shards=cut.size[::-1], dtype="uint8", fill_value=0,
                        compressors=zarr.codecs.ZstdCodec(level=3), dimension_names=("z", "y", "x"))
     group.attrs.update(_metadata(volume.lattice, unit, os.path.basename(name.rstrip("/"))))
-    write = dask.delayed(_write, pure=True)
+    write = dask.delayed(_write, pure=False)  # what is on the disk may have changed since
     tasks = [write(name, cut, index, block) for index, block in volume.blocks.items()]
     return dask.compute(*tasks) and None if compute else tasks
 
