@@ -13,12 +13,13 @@ WERROR ?= 0
 PREFIX ?= /usr/local
 LIBDIR ?= $(PREFIX)/lib
 DESTDIR ?=
+PYTHON ?= python3
 DEMO ?= fixtures/knot.ply
 
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo test test-quick deps san golden bench install uninstall amalgamation clean force \
+.PHONY: all help demo python test-python test test-quick deps san golden bench install uninstall amalgamation clean force \
         print-folder library program test-programs fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -212,6 +213,13 @@ install: all $(BUILD)/bitvox.pc $(pages) ## library, header, bitvox.pc, program,
 uninstall: ## remove what install put there
 	rm -f $(addprefix $(DESTDIR),$(PREFIX)/include/bitvox.h $(addprefix $(LIBDIR)/,libbitvox.a libbitvox.so $(soname) \
 	    libbitvox.so.$(version) pkgconfig/bitvox.pc) $(PREFIX)/bin/bitvox $(PREFIX)/share/man/man1/bitvox.1 $(completions)/bitvox)
+
+python: ## build/python/wheel: a wheel of the Python package (pip, which fetches what the build needs)
+	@mkdir -p $(BUILD)/python
+	$(PYTHON) -m pip wheel --quiet --no-deps -w $(BUILD)/python/wheel bindings/python && ls $(BUILD)/python/wheel/*.whl
+
+test-python: program ## the Python package alone, in a clean virtual environment
+	@BUILD=$(BUILD) PYTHON=$(PYTHON) BITVOX=$(abspath $(BUILD)/bitvox) sh tests/tools/test_python.sh
 
 amalgamation: ## build/bitvox.c and build/bitvox.h: the library as one source file
 	@sh src/amalgamate.sh $(BUILD) && echo "$(BUILD)/bitvox.c $(BUILD)/bitvox.h"

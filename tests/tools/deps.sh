@@ -4,7 +4,7 @@
 # say so. Never removes a package: the cross compilers and gcc-multilib exclude each other, and gcc-multilib stays.
 set -u
 
-packages='libcmocka-dev clang zlib1g-dev locales pkg-config qemu-user
+packages='python3-venv python3-dev libcmocka-dev clang zlib1g-dev locales pkg-config qemu-user
     gcc-i686-linux-gnu libc6-dev-i386-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross'
 
 missing() {

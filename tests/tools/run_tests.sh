@@ -1,7 +1,7 @@
 #!/bin/sh
 # run_tests.sh full|quick|san - build and run the tests; the last line is "N passed, N failed[, N skipped]".
 #     quick  this compiler alone: unit, fault, golden, program, examples, checks of sources and libraries
-#     full   quick, and: golden values by other compilers and flags, readers fuzzed under sanitizers,
+#     full   quick, and: the Python package in a clean environment; golden values by other compilers and flags, readers fuzzed under sanitizers,
 #            unit tests and golden values on 32-bit x86 and on big-endian s390x
 #     san    unit, fault and fuzz tests under ASan, UBSan and the leak detector
 # Called by make, which hands over compiler and flags. A row is one build of the library and the tests run with it.
@@ -140,6 +140,23 @@ run_program() {
     done
 }
 
+# The Python package, built and installed in a clean virtual environment; most of the time goes into pip.
+run_python() {
+    BITVOX=$(cd "$BUILD" && pwd)/bitvox
+    export BITVOX
+    python_log=$(log_of python)
+    start=$(date +%s)
+    ${limit:+timeout ${PYTHON_SECONDS:-1500}} sh tests/tools/test_python.sh >"$python_log" 2>&1 </dev/null
+    status=$?
+    if [ $status = 77 ]; then
+        skip python "$(tail -n 1 "$python_log")"
+    elif [ -n "$(counts_of "$python_log")" ]; then
+        add_counts python "$python_log" $status $(($(date +%s) - start))
+    else
+        fail python "$python_log"
+    fi
+}
+
 # A locale whose decimal point is a comma, for the tests that show that it changes nothing.
 make_locale() {
     [ -d "$BUILD/locale/de_DE.UTF-8" ] && return
@@ -227,6 +244,7 @@ full)
     beside=$!
     trap 'kill $beside 2>/dev/null; exit 130' INT TERM
     tests_here
+    run_python
     tests_of_other_compilers
     run_fault san
     run_fuzz

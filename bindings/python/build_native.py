@@ -1,0 +1,117 @@
+"""Builds bitvox._native: the C library and its binding in one extension (cffi, API mode, stable ABI of Python)."""
+
+import os
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from pathlib import Path
+
+from cffi import FFI
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import csource  # noqa: E402
+
+# Results are freed without a context at hand, and words of grids are combined here until the library does it.
+GLUE_CDEF = """
+extern "Python" int32_t bvxpy_progress(void *, const char *, double);
+void bvxpy_combine(uint64_t *out, const uint64_t *a, const uint64_t *b, uint64_t count, int operation);
+void bvxpy_invert(bvx_grid *grid);
+"""
+# What the library makes and takes back; an older library has fewer.
+THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections")
+
+GLUE = """
+#include "bitvox.h"
+
+#define BVXPY_FREE(name, type) \\
+    static void bvxpy_free_##name(type *thing) \\
+    { \\
+        bvx_context *context; \\
+        if (bvx_context_create(NULL, &context) != BVX_OK) return; \\
+        bvx_##name##_free(context, thing); \\
+        bvx_context_destroy(context); \\
+    }
+/* 0: and, 1: or, 2: exclusive or, 3: and not */
+static void bvxpy_combine(uint64_t *out, const uint64_t *a, const uint64_t *b, uint64_t count, int operation)
+{
+    uint64_t i;
+    if (operation == 0) for (i = 0; i < count; i++) out[i] = a[i] & b[i];
+    if (operation == 1) for (i = 0; i < count; i++) out[i] = a[i] | b[i];
+    if (operation == 2) for (i = 0; i < count; i++) out[i] = a[i] ^ b[i];
+    if (operation == 3) for (i = 0; i < count; i++) out[i] = a[i] & ~b[i];
+}
+
+/* Bits past the end of a row stay 0. */
+static void bvxpy_invert(bvx_grid *grid)
+{
+    uint64_t const rows = (uint64_t)grid->size[1] * (uint64_t)grid->size[2];
+    int const used = grid->size[0] & 63;
+    uint64_t const last = used ? (UINT64_C(1) << used) - 1 : ~UINT64_C(0);
+    uint64_t row;
+    int32_t i;
+    for (row = 0; row < rows; row++) {
+        uint64_t *const words = grid->words + row * (uint64_t)grid->words_per_row;
+        for (i = 0; i < grid->words_per_row; i++) words[i] = ~words[i];
+        words[grid->words_per_row - 1] &= last;
+    }
+}
+"""
+def compiles(compiler: str, flags: list[str], program: str = "int main(void) { return 0; }\n") -> bool:
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "probe.c"
+        source.write_text(program)
+        command = [*compiler.split(), "-Werror", *flags, str(source), "-o", str(Path(folder) / "probe")]
+        try:
+            return subprocess.run(command, capture_output=True, check=False).returncode == 0
+        except OSError:
+            return False
+
+
+def flags() -> tuple[list[str], list[str]]:
+    """Flags for compiling and linking. setuptools puts them behind those of the environment and of the distribution,
+    so the arithmetic is ours whatever these say; a context looks at it once more when it is made."""
+    if os.name == "nt":
+        return ["/O2", "/fp:precise"], []
+    compiler = os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc"
+    wanted = [
+        ["-fno-fast-math"], ["-fno-unsafe-math-optimizations"], ["-fno-finite-math-only"], ["-fsigned-zeros"],
+        ["-ffp-contract=off"], ["-mno-fma"], ["-fexcess-precision=fast"], ["-msse2", "-mfpmath=sse"],
+        ["-fno-math-errno", "-fno-trapping-math"], ["-fvisibility=hidden"],
+    ]
+    given = os.environ.get("CFLAGS", "")
+    compile_flags = ["-std=c99", *([] if "-O" in given else ["-O3"]), *([] if "-g" in given else ["-g0"])]
+    for group in wanted:
+        if compiles(compiler, group):
+            compile_flags += group
+    link_flags = ["-fno-fast-math"] if "-fno-fast-math" in compile_flags else [] # no start-up code that flushes subnormals
+    openmp = "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n"
+    if os.environ.get("BITVOX_OPENMP", "1") != "0" and compiles(compiler, ["-fopenmp"], openmp):
+        compile_flags.append("-fopenmp")
+        link_flags.append("-fopenmp")
+    return compile_flags, link_flags
+
+
+def builder() -> FFI:
+    header = csource.prepare()
+    callable_here = set(csource.declared(header)) - set(csource.missing(header))
+    things = [name for name in THINGS if f"bvx_{name}_free" in callable_here]
+    compile_flags, link_flags = flags()
+    ffi = FFI()
+    ffi.cdef(csource.cdef(header))
+    ffi.cdef(GLUE_CDEF + "".join(f"void bvxpy_free_{name}(bvx_{name} *thing);\n" for name in things))
+    here = Path(__file__).resolve().parent
+    ffi.set_source(
+        "bitvox._native",
+        GLUE + "".join(f"BVXPY_FREE({name}, bvx_{name})\n" for name in things),
+        sources=[os.path.relpath(header.with_name("bitvox.c"), here)],
+        depends=[os.path.relpath(header, here)],
+        include_dirs=[os.path.relpath(header.parent, here)],
+        extra_compile_args=compile_flags,
+        extra_link_args=link_flags,
+        py_limited_api=True,
+    )
+    return ffi
+
+
+ffibuilder = builder()

@@ -1,0 +1,19 @@
+"""What pyproject.toml cannot say: the version of the header, the extension, and which flags come last."""
+
+import re
+import sys
+from pathlib import Path
+
+from setuptools import setup
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import csource  # noqa: E402
+
+header = csource.prepare().read_text(encoding="utf-8")
+version = ".".join(re.search(rf"#define BVX_VERSION_{part} (\d+)", header)[1] for part in ("MAJOR", "MINOR", "PATCH"))
+
+setup(
+    version=version,
+    cffi_modules=["build_native.py:ffibuilder"],
+    options={"bdist_wheel": {"py_limited_api": "cp310"}, "build_ext": {"force": True}},  # flags may have changed
+)

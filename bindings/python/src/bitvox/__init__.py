@@ -1,0 +1,71 @@
+"""bitvox: shapes to bit-packed voxels and voxels to closed meshes, exactly.
+
+    >>> import bitvox
+    >>> solid = bitvox.voxelize("dragon.ply", resolution=256)      # or (vertices, faces), trimesh, PyVista, Open3D, meshio
+    >>> mesh = solid.surface()                                     # closed, manifold, oriented
+    >>> fine, coarse = bitvox.lod("dragon.ply", levels=(64, 16))
+
+Coordinates are (x, y, z), world units are those of the mesh, voxel (i, j, k) is the box from ``corner + ijk * spacing`` to
+``corner + (ijk + 1) * spacing``. Results are the same bits on every machine and for any number of threads. The interpreter's
+lock is free during every call. Options are keyword-only; every function takes ``threads``, ``memory_limit`` and ``progress``
+where its work can be long, and `settings` sets them for all calls.
+"""
+
+from ._errors import (
+    ArgumentError,
+    Cancelled,
+    CapacityError,
+    EmptyError,
+    Error,
+    FormatError,
+    LatticeError,
+    MemoryLimitError,
+    MissingExtraError,
+    OutOfMemoryError,
+    RangeError,
+    UnsupportedError,
+    VersionError,
+)
+from ._field import Field, field
+from ._files import Writer, dumps, loads, read, write
+from ._grid import Attached, Grid
+from ._image import Image, render
+from ._lattice import Lattice, Window
+from ._mesh import Mesh
+from ._octree import Octree, refine
+from ._run import settings
+from ._run import version as _version
+from ._sections import Loop, Sections, from_sections, slice_mesh
+from ._stages import (
+    Closest,
+    FillComparison,
+    carry,
+    check,
+    compare,
+    compare_fills,
+    content_hash,
+    faces,
+    faces_counts,
+    find_pockets,
+    find_seed,
+    lod,
+    merge,
+    repair,
+    surface,
+    surface_counts,
+    voxelize,
+)
+
+from ._trimesh import register as register_with_trimesh
+from ._trimesh import register_if_there as _register_if_there
+
+__version__ = _version()
+_register_if_there()
+
+__all__ = [
+    "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
+    "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
+    "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Window", "Writer", "carry", "check", "compare",
+    "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets", "find_seed", "from_sections", "loads", "lod",
+    "merge", "read", "refine", "register_with_trimesh", "render", "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "write",
+]

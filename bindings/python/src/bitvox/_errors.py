@@ -1,0 +1,105 @@
+"""Errors: one class for each status of the library, each also what a Python user would catch."""
+
+from __future__ import annotations
+
+
+class Error(Exception):
+    """Something that the library refused or could not do.
+
+    Attributes:
+        code: the library's status, a whole number that never changes its meaning.
+        name: the status as the C header writes it, such as ``"BVX_ERR_RANGE"``.
+    """
+
+    code = 0
+    name = "BVX_OK"
+
+
+class ArgumentError(Error, ValueError):
+    """An argument is out of range or contradicts another."""
+
+    code, name = 1, "BVX_ERR_ARGUMENT"
+
+
+class VersionError(Error, RuntimeError):
+    """Binding and library do not belong together."""
+
+    code, name = 2, "BVX_ERR_VERSION"
+
+
+class OutOfMemoryError(Error, MemoryError):
+    """The machine gave no more memory."""
+
+    code, name = 3, "BVX_ERR_MEMORY"
+
+
+class MemoryLimitError(Error, MemoryError):
+    """The option ``memory_limit`` does not allow it."""
+
+    code, name = 4, "BVX_ERR_BUDGET"
+
+
+class RangeError(Error, ValueError):
+    """A coordinate, a vertex number or a size is outside what can be represented; the message names it."""
+
+    code, name = 5, "BVX_ERR_RANGE"
+
+
+class EmptyError(Error, ValueError):
+    """The input holds nothing to work on."""
+
+    code, name = 6, "BVX_ERR_EMPTY"
+
+
+class FormatError(Error, ValueError):
+    """A file is damaged or not of the stated format; the message says at which byte or line."""
+
+    code, name = 7, "BVX_ERR_FORMAT"
+
+
+class UnsupportedError(Error, NotImplementedError):
+    """A valid request that this build or this format cannot serve."""
+
+    code, name = 8, "BVX_ERR_UNSUPPORTED"
+
+
+class CapacityError(Error, ValueError):
+    """An array is too small."""
+
+    code, name = 9, "BVX_ERR_CAPACITY"
+
+
+class LatticeError(Error, ValueError):
+    """Grids do not share one lattice or window."""
+
+    code, name = 10, "BVX_ERR_LATTICE"
+
+
+class Cancelled(Error):
+    """The progress callable returned False."""
+
+    code, name = 11, "BVX_CANCELLED"
+
+
+class MissingExtraError(Error, ImportError):
+    """A package that this function needs is not installed; the message says how to install it."""
+
+    code, name = 8, "BVX_ERR_UNSUPPORTED"
+
+
+BY_CODE: dict[int, type[Error]] = {
+    kind.code: kind
+    for kind in (ArgumentError, VersionError, OutOfMemoryError, MemoryLimitError, RangeError, EmptyError, FormatError,
+                 UnsupportedError, CapacityError, LatticeError, Cancelled)
+}
+
+
+def need(module: str, extra: str, package: str | None = None):
+    """Import a module of an optional package, or say which extra brings it."""
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ImportError as why:
+        name = package or module.partition(".")[0]
+        raise MissingExtraError(f"this needs {name}: pip install 'bitvox[{extra}]' ({why})") from why

@@ -1,0 +1,219 @@
+"""Distance fields."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from . import _arrays as arrays
+from ._errors import ArgumentError
+from ._grid import Grid
+from ._lattice import Lattice, WindowLike, set_window
+from ._mesh import Mesh, position_type
+from ._octree import with_positions
+from ._records import record
+from ._run import Progress, Run, choice, ffi, function, lib, name_of, options_of
+
+SIGNS = ("auto", "exact", "normal", "pseudonormal", "winding", "vote", "none")
+EDGES = ("vector", "scalar", "middle", "paper", "tangent")
+
+
+class Field:
+    """Distances from the centres of voxels to a mesh; made by `bitvox.field`.
+
+    Value number n is that of set voxel number n of ``band``, in the order of its bits (z, y, x): that of ``band.voxels()``.
+    """
+
+    __slots__ = ("_c", "_mesh", "__weakref__")
+
+    def __init__(self, owner: Any, mesh: Mesh) -> None:
+        self._c, self._mesh = owner, mesh
+
+    def _grid(self, part: Any) -> Grid | None:
+        if part.words == ffi.NULL:
+            return None
+        owner = self._c
+        kept = ffi.gc(ffi.new("bvx_grid *", part), lambda _, owner=owner: None)
+        kept.owned = 0
+        return Grid._made(kept)
+
+    @property
+    def band(self) -> Grid:
+        """The centres that have a value; no copy."""
+        return self._grid(self._c.band)  # type: ignore[return-value]
+
+    @property
+    def inside(self) -> Grid | None:
+        """The centres inside, in all of the window; None for sign "none"; no copy."""
+        return self._grid(self._c.inside)
+
+    @property
+    def lattice(self) -> Lattice:
+        """The lattice that it was measured on."""
+        return Lattice._of(self._c.band.lattice)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Voxels of its window along x, y, z."""
+        return tuple(self._c.band.size)  # type: ignore[return-value]
+
+    @property
+    def half_width(self) -> float:
+        """Of the band [world]; infinity: every centre has a value."""
+        return self._c.half_width
+
+    @property
+    def sign(self) -> str:
+        """The rule that decided what is inside."""
+        return name_of(self._c.sign, "BVX_SIGN_", SIGNS)
+
+    def _values(self, pointer: Any, columns: int, dtype: str | None = None) -> Any:
+        if pointer == ffi.NULL:
+            return None
+        n = self._c.value_count
+        kind = dtype or ("float32" if self._c.value_type == lib.BVX_F32 else "float64")
+        return arrays.array_at(pointer, kind, (n, columns) if columns > 1 else (n,), self._c)
+
+    @property
+    def distances(self) -> Any:
+        """(n,) distances to the closest points, negative inside [world]; read-only, no copy."""
+        return self._values(self._c.distances, 1)
+
+    @property
+    def vectors(self) -> Any:
+        """(n, 3) from centres to closest points [world], or None; read-only, no copy."""
+        return self._values(self._c.vectors, 3)
+
+    @property
+    def triangles(self) -> Any:
+        """(n,) uint32 closest triangles, or None; read-only, no copy."""
+        return self._values(self._c.triangles, 1, "uint32")
+
+    @property
+    def features(self) -> Any:
+        """(n,) uint8 where on the triangle: 0 inside, 1 2 3 edges, 4 5 6 corners; or None; read-only, no copy."""
+        return self._values(self._c.features, 1, "uint8")
+
+    @property
+    def row_values(self) -> Any:
+        """Number of each row's first value, row ``z * shape[1] + y``; read-only, no copy."""
+        return arrays.array_at(self._c.row_values, "uint64", (self.shape[1] * self.shape[2] + 1,), self._c)
+
+    def value(self, voxel: Any) -> int | None:
+        """Number of the value at voxel (x, y, z) of the window, or None where it has none."""
+        x, y, z = arrays.triple("voxel", voxel, int)
+        nx, ny, nz = self.shape
+        if not (0 <= x < nx and 0 <= y < ny and 0 <= z < nz):
+            raise IndexError(f"voxel {(x, y, z)} is not in a field of shape {self.shape}")
+        number = lib.bvx_field_value(self._c, x, y, z)
+        return None if number == 2**64 - 1 else number
+
+    def to_numpy(self, order: str = "xyz", *, vectors: bool = False, far: str = "constant") -> Any:
+        """Every centre of the window as float32: ``array[x, y, z]`` or, with order "zyx", ``array[z, y, x]``.
+
+        Args:
+            vectors: the vectors, with one more axis of three, in place of signed distances.
+            far: where the band has no value: "constant" (the half width, negative inside) or "propagated" (from neighbours;
+                needs a field measured with ``features=True``).
+        """
+        np = arrays.numpy("Field.to_numpy")
+        if order not in ("xyz", "zyx"):
+            raise ArgumentError(f"order is {order!r}; it must be 'xyz' or 'zyx'")
+        nx, ny, nz = self.shape
+        made = np.empty((nz, ny, nx, 3) if vectors else (nz, ny, nx), np.float32)
+        rule = choice("far", far, "BVX_FAR_", ("constant", "propagated"))
+        with Run() as run:
+            run.check(lib.bvx_field_dense(run.context, self._c, self._mesh._view(run), rule, int(bool(vectors)),
+                                          ffi.cast("float *", arrays.address(made))))
+        if order == "zyx":
+            return made
+        return made.transpose(2, 1, 0, 3) if vectors else made.transpose(2, 1, 0)
+
+    def surface(
+        self,
+        *,
+        interpolation: str | None = None,
+        face_rule: str = "separate",
+        sharp: bool = False,
+        sharp_angle: float = 0.8,
+        dtype: Any = None,
+        local_frame: bool = False,
+        threads: int | None = None,
+        memory_limit: int | None = None,
+        progress: Progress = None,
+    ) -> Mesh:
+        """The closed surface between inside and outside centres, with vertices where the field has it.
+
+        Args:
+            interpolation: "vector" (closest points of both ends), "scalar" (signed distances), "middle", "paper" or, where the
+                library has it, "tangent" (planes that touch the surface). None: the library's default.
+            sharp: cells on sharp edges and corners get a vertex there; ``sharp_angle`` is the cosine between facets that
+                still count as smooth.
+            dtype: float32 or float64; None: float32 where it can tell neighbouring positions apart.
+        """
+        options = options_of("field_surface_options")
+        if interpolation is not None:
+            options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+        options.sharp, options.sharp_angle, options.local_frame = int(bool(sharp)), float(sharp_angle), int(bool(local_frame))
+        report = ffi.new("bvx_field_surface_report *")
+        options.report = report
+        extract = function("bvx_extract_field_surface")
+        made = with_positions(options, dtype, lambda run, out: extract(run.context, self._c, self._mesh._view(run), options, out),
+                              threads=threads, memory_limit=memory_limit, progress=progress)
+        made.report = record(report)
+        return made
+
+    def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:
+        """Write signed distances, or vectors, as .npy, .nrrd or .vti."""
+        from ._files import write
+
+        write(self, path, format=format, vectors=vectors)
+
+    def __repr__(self) -> str:
+        x, y, z = self.shape
+        return f"Field({x} x {y} x {z}, {self._c.value_count} values, sign {self.sign})"
+
+
+def field(
+    mesh: Any,
+    *,
+    resolution: Any = None,
+    spacing: Any = None,
+    padding: int = 2,
+    lattice: Lattice | None = None,
+    half_width: float = 3.0,
+    sign: str = "auto",
+    dtype: Any = "float32",
+    vectors: bool = True,
+    features: bool = False,
+    window: WindowLike = None,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Field:
+    """Measure the distance from the centres of voxels to a mesh.
+
+    Args:
+        mesh: what `Mesh.of` takes.
+        resolution, spacing, padding: as for `Lattice.fit`; or a ``lattice``.
+        half_width: of the band [largest spacings]; infinity: all centres.
+        sign: what decides that a centre is inside: "auto", "exact", "normal", "pseudonormal", "winding", "vote" or "none".
+        dtype: of the values, float32 or float64.
+        vectors: keep the vectors to the closest points, which `Field.surface` uses.
+        features: keep the closest triangles and where on them the points lie.
+    """
+    from ._stages import place
+
+    measure = function("bvx_measure_field")
+    options = options_of("field_options")
+    options.half_width, options.value_type = float(half_width), position_type(dtype)
+    options.sign = choice("sign", sign, "BVX_SIGN_", SIGNS)
+    options.no_vectors, options.features = int(not vectors), int(bool(features))
+    set_window("window", options.window, window)
+    source = Mesh.of(mesh)
+    where = place(source, resolution, spacing, padding if lattice is None else 0, lattice)
+    made = ffi.gc(ffi.new("bvx_field *"), function("bvxpy_free_field"))
+    with Run(threads, memory_limit, progress) as run:
+        run.check(measure(run.context, source._view(run), where._c, options, made))
+    return Field(made, source)

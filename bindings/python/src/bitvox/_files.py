@@ -1,0 +1,250 @@
+"""Files and bytes of files."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from ._errors import ArgumentError, UnsupportedError
+from ._grid import Grid, new_grid
+from ._lattice import WindowLike, set_window
+from ._mesh import Mesh, new_mesh
+from ._run import Progress, Run, ffi, function, lib
+from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
+
+MESH_FORMATS = ("stl", "obj", "ply", "off")
+MESH_OUTPUTS = (*MESH_FORMATS, "glb")
+GRID_FORMATS = ("npy", "binvox", "vox", "nrrd", "vti", "bvx")
+_BESIDE = ("npy", "vox")  # the lattice stands in FILE.json
+
+
+def _format_of(path: str, format: str | None) -> str:
+    if format is not None:
+        return format.lower().lstrip(".")
+    name = path[:-3] if path.lower().endswith(".gz") else path
+    ending = os.path.splitext(name)[1].lower().lstrip(".")
+    if not ending:
+        raise ArgumentError(f"{path}: its name has no ending that tells the format; give format=")
+    return ending
+
+
+def _number(format: str) -> int:
+    number = getattr(lib, f"BVX_FORMAT_{format.upper()}", None)
+    if number is None:
+        raise UnsupportedError(f"this build of the library has no format {format!r}")
+    return number
+
+
+def read_bytes(path: str | os.PathLike[str]) -> bytes:
+    """A file's bytes; those of .gz unpacked."""
+    import gzip
+
+    with open(path, "rb") as file:
+        data = file.read()
+    return gzip.decompress(data) if data[:2] == b"\x1f\x8b" and os.fspath(path).lower().endswith(".gz") else data
+
+
+def write_bytes(path: str | os.PathLike[str], data: Any) -> None:
+    """Write a file whole or not at all: under another name beside it, then renamed; .gz is packed."""
+    import gzip
+    import tempfile
+
+    target = os.path.realpath(os.fspath(path))
+    if target.lower().endswith(".gz"):
+        data = gzip.compress(data, 6, mtime=0)
+    if os.path.exists(target) and not os.path.isfile(target):  # a pipe or a device
+        with open(target, "wb") as file:
+            file.write(data)
+        return
+    handle, beside = tempfile.mkstemp(prefix=".bitvox-", dir=os.path.dirname(target))
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.chmod(beside, os.stat(target).st_mode & 0o7777 if os.path.exists(target) else 0o666 & ~_umask())
+        os.replace(beside, target)
+    except BaseException:
+        os.unlink(beside)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def read(path: str | os.PathLike[str], *, format: str | None = None, window: WindowLike = None, close_gap: float | None = None,
+         threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
+    """Read a mesh or a grid.
+
+    Args:
+        path: .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids), .csl .csv (sections), each also as .gz; .amf .3mf .glb and
+            other meshes that trimesh reads, with ``bitvox[formats]``. Beside .npy and .vox, FILE.json tells the lattice.
+        format: one of these endings, in place of the name's own.
+        window: of a grid: only these voxels, counted from the file's own first one.
+        close_gap: of .csv: refuse loops whose ends lie further apart than this [world]; None closes every loop.
+
+    Returns:
+        A `Mesh`, a `Grid` or `Sections`.
+
+    Raises:
+        FormatError: what is wrong with which byte or line. OSError: as `open`.
+    """
+    path = os.fspath(path)
+    kind = _format_of(path, format)
+    if kind in MESH_FORMATS + GRID_FORMATS + SECTION_FORMATS:
+        beside = path + ".json" if kind in _BESIDE and os.path.isfile(path + ".json") else None
+        return loads(read_bytes(path), kind, window=window, close_gap=close_gap, lattice=None if beside is None else read_bytes(beside),
+                     threads=threads, memory_limit=memory_limit, progress=progress)
+    if window is not None or close_gap is not None:
+        raise ArgumentError("window is for grids, close_gap for sections")
+    from .formats import read_other
+
+    return read_other(path, kind)
+
+
+def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None,
+          close_gap: float | None = None, threads: int | None = None,
+          memory_limit: int | None = None, progress: Progress = None) -> Any:
+    """Read a mesh or a grid from the bytes of a file; ``lattice`` are those of the side-car of .npy and .vox."""
+    kind = format.lower().lstrip(".")
+    held = ffi.from_buffer(data)
+    if close_gap is not None and kind not in SECTION_FORMATS:
+        raise ArgumentError("close_gap is for sections")
+    with Run(threads, memory_limit, progress) as run:
+        if kind in MESH_FORMATS:
+            if window is not None or lattice is not None:
+                raise ArgumentError("window and lattice are for grids")
+            mesh = new_mesh()
+            run.check(lib.bvx_read_mesh(run.context, held, len(held), _number(kind), mesh))
+            return Mesh._made(mesh)
+        if kind in SECTION_FORMATS:
+            if window is not None or lattice is not None:
+                raise ArgumentError("window and lattice are for grids")
+            return read_sections(held, _number(kind), close_gap, run)
+        if kind in GRID_FORMATS:
+            grid = new_grid()
+            box = ffi.new("bvx_window *")
+            set_window("window", box, window)
+            run.check(lib.bvx_read_grid(run.context, held, len(held), _number(kind), box if window is not None else ffi.NULL, grid))
+            if lattice is not None:
+                if window is not None:
+                    raise ArgumentError("a window of a file with a lattice beside it: read it without, or read the .bvx")
+                beside = ffi.from_buffer(lattice)
+                run.check(lib.bvx_read_lattice(run.context, beside, len(beside), grid))
+            return Grid._made(grid)
+    raise UnsupportedError(f"format {format!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}")
+
+
+def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, threads: int | None = None, memory_limit: int | None = None,
+          progress: Progress = None) -> bytes:
+    """The bytes of a file: a mesh as stl, obj, ply, off or glb; a grid as npy, binvox, vox, nrrd, vti or bvx; an octree as
+    vtu; a field as npy, nrrd or vti; sections as csl, csv or svg; an image as png."""
+    from ._field import Field
+    from ._image import Image
+    from ._octree import Octree, states_of
+
+    kind = format.lower().lstrip(".")
+    out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
+    if states is not None and not isinstance(thing, Octree):
+        raise ArgumentError("states are for octrees")
+    if vectors and not isinstance(thing, Field):
+        raise ArgumentError("vectors are for fields")
+    with Run(threads, memory_limit, progress) as run:
+        if isinstance(thing, Image) and kind == "png":
+            return thing.png()
+        if isinstance(thing, Grid) and kind in GRID_FORMATS:
+            run.check(lib.bvx_write_grid(run.context, thing._c, _number(kind), out))
+        elif isinstance(thing, Octree) and kind == "vtu":
+            run.check(lib.bvx_write_octree(run.context, thing._c, states_of(states), _number(kind), out))
+        elif isinstance(thing, Sections) and kind in SECTION_OUTPUTS:
+            run.check(function("bvx_write_sections")(run.context, thing._struct(run), _number(kind), out))
+        elif isinstance(thing, Field) and kind in ("npy", "nrrd", "vti"):
+            run.check(function("bvx_write_field")(run.context, thing._c, int(vectors), _number(kind), out))
+        elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
+            run.check(lib.bvx_write_mesh(run.context, Mesh.of(thing)._struct(run), _number(kind), out))
+        else:
+            raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}")
+    return bytes(ffi.buffer(out.bytes, out.size))
+
+
+def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False, threads: int | None = None,
+          memory_limit: int | None = None, progress: Progress = None) -> None:
+    """Write a mesh, grid, octree, field or image to a file, whole or not at all.
+
+    Args:
+        thing: what `dumps` takes.
+        path: its ending tells the format; .gz packs it. Beside .npy and .vox of a grid, FILE.json gets the lattice.
+        format: the format, in place of the name's ending.
+        states: of an octree: which leaves, ("surface", "inside") unless told.
+        vectors: of a field: vectors in place of signed distances.
+    """
+    path = os.fspath(path)
+    kind = _format_of(path, format)
+    data = dumps(thing, kind, states=states, vectors=vectors, threads=threads, memory_limit=memory_limit, progress=progress)
+    placed = thing.band if hasattr(thing, "band") else thing
+    beside = lattice_json(placed) if isinstance(placed, Grid) and kind in _BESIDE else None
+    write_bytes(path, data)
+    if beside is not None:
+        write_bytes(path + ".json", beside)
+
+
+def lattice_json(grid: Grid) -> bytes:
+    """The side-car of a format that keeps no lattice."""
+    out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
+    with Run() as run:
+        run.check(lib.bvx_write_lattice(run.context, grid._c, out))
+    return bytes(ffi.buffer(out.bytes, out.size))
+
+
+class Writer:
+    """Writes a .bvx file slice by slice, so that the whole grid is never in memory::
+
+        with bitvox.Writer("huge.bvx", lattice) as writer:
+            for part in parts:          # windows of the lattice, whole in x and y, one on the other in z
+                writer.add(part)
+    """
+
+    def __init__(self, path: str | os.PathLike[str], lattice: Any, window: WindowLike = None) -> None:
+        import tempfile
+
+        self._path = os.path.realpath(os.fspath(path))
+        box = ffi.new("bvx_window *")
+        set_window("window", box, window)
+        self._low = box.low[2]
+        self._end = self._low + (box.size[2] or lattice.shape[2])
+        self._at = self._low
+        head = self._bytes(lambda run, out: lib.bvx_write_head(run.context, lattice._c, box if window is not None else ffi.NULL, out))
+        handle, self._beside = tempfile.mkstemp(prefix=".bitvox-", dir=os.path.dirname(self._path))
+        self._file = os.fdopen(handle, "wb")
+        self._file.write(head)
+
+    @staticmethod
+    def _bytes(make: Any) -> bytes:
+        out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
+        with Run() as run:
+            run.check(make(run, out))
+        return bytes(ffi.buffer(out.bytes, out.size))
+
+    def add(self, part: Grid) -> None:
+        """The next slices."""
+        if part.low[2] != self._at:
+            raise ArgumentError(f"this part begins at slice {part.low[2]}; {self._at} is next")
+        self._file.write(self._bytes(lambda run, out: lib.bvx_write_slices(run.context, part._c, out)))
+        self._at += part.shape[2]
+
+    def __enter__(self) -> Writer:
+        return self
+
+    def __exit__(self, kind: Any, *_: object) -> None:
+        self._file.close()
+        if kind is None and self._at == self._end:
+            os.chmod(self._beside, 0o666 & ~_umask())
+            os.replace(self._beside, self._path)
+            return
+        os.unlink(self._beside)
+        if kind is None:
+            raise ArgumentError(f"{self._path}: slices {self._at} to {self._end - 1} were not given; nothing is written")
+
+
+__all__ = ["Writer", "dumps", "loads", "read", "write"]

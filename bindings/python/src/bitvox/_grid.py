@@ -1,0 +1,360 @@
+"""Grids: sets of voxels, one bit each."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, NamedTuple, Sequence
+
+from . import _arrays as arrays
+from ._errors import ArgumentError, FormatError, LatticeError
+from ._lattice import Lattice, WindowLike, set_window
+from ._records import record
+from ._run import Run, ffi, lib
+
+_AND, _OR, _XOR, _MINUS = range(4)
+
+
+class Attached(NamedTuple):
+    """The triangles that touch each set voxel: voxel number r, in the order of the grid's bits (z, y, x), has
+    ``triangles[offsets[r]:offsets[r + 1]]``, ascending."""
+
+    offsets: Any
+    triangles: Any
+
+
+class Grid:
+    """A set of voxels of a lattice, or of a window of it; it does not change.
+
+    Operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``, ``~a`` (within the window), ``a == b``, ``a <= b`` (is part of),
+    ``grid[x, y, z]``, ``len(grid)`` (set voxels), ``bool(grid)`` (is any set). Grids must share lattice and window.
+    """
+
+    __slots__ = ("_c", "report", "attached", "_hash", "__weakref__")
+    __array_ufunc__ = None  # an operator between a grid and an array is an error, not an array
+
+    def __init__(self, lattice: Lattice, window: WindowLike = None) -> None:
+        """An empty grid of a lattice, or of a window of it."""
+        self._c = new_grid()
+        self.report: Any = None
+        self.attached: Attached | None = None
+        self._hash: int | None = None
+        box = ffi.new("bvx_window *")
+        set_window("window", box, window)
+        with Run() as run:
+            run.check(lib.bvx_grid_create(run.context, lattice._c, box if window is not None else ffi.NULL, self._c))
+
+    @classmethod
+    def _made(cls, owner: Any, report: Any = None) -> Grid:
+        self = cls.__new__(cls)
+        self._c, self.report, self.attached, self._hash = owner, report, None, None
+        return self
+
+    @classmethod
+    def from_numpy(cls, array: Any, *, order: str = "xyz", spacing: Any = 1.0, corner: Sequence[float] = (0.0, 0.0, 0.0),
+                   lattice: Lattice | None = None, low: Sequence[int] | None = None) -> Grid:
+        """A grid from a three-dimensional array; values other than 0 are set.
+
+        Args:
+            array: bool or any numbers, any strides; NaN is refused.
+            order: "xyz" (array[x, y, z]) or "zyx" (array[z, y, x]).
+            spacing, corner: of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
+            lattice, low: a lattice that the array is a window of, at voxel ``low``; in place of spacing and corner.
+        """
+        np = arrays.numpy("Grid.from_numpy")
+        found = arrays.as_numpy(array, "array")
+        if found.ndim != 3 or 0 in found.shape:
+            raise ArgumentError(f"array has shape {found.shape}; it must have three axes, none of them empty")
+        if order not in ("xyz", "zyx"):
+            raise ArgumentError(f"order is {order!r}; it must be 'xyz' or 'zyx'")
+        zyx = found.transpose(2, 1, 0) if order == "xyz" else found
+        if found.dtype.kind == "f" and np.isnan(found).any():
+            raise ArgumentError("array: NaN is neither set nor empty")
+        nz, ny, nx = zyx.shape
+        if lattice is None:
+            if low is not None:
+                raise ArgumentError("low is taken together with lattice")
+            grid = cls(Lattice((nx, ny, nz), spacing, corner))
+        else:
+            grid = cls(lattice, (tuple(low or (0, 0, 0)), (nx, ny, nz)))
+        rows = grid._words(writable=True)
+        for z in range(nz):  # a slice at a time, so that a view with strides costs no copy of the whole
+            packed = np.packbits(zyx[z] != 0 if zyx.dtype.kind != "b" else zyx[z], axis=1, bitorder="little")
+            padded = np.zeros((ny, rows.shape[2] * 8), np.uint8)
+            padded[:, : packed.shape[1]] = packed
+            rows[z] = padded.view("<u8")
+        return grid
+
+    # ---- where it lies ----
+
+    @property
+    def lattice(self) -> Lattice:
+        """The lattice that its voxels belong to."""
+        return Lattice._of(self._c.lattice)
+
+    @property
+    def low(self) -> tuple[int, int, int]:
+        """Lattice index of the grid's voxel (0, 0, 0): where its window begins."""
+        return tuple(self._c.low)  # type: ignore[return-value]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Voxels along x, y, z."""
+        return tuple(self._c.size)  # type: ignore[return-value]
+
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """Edges of a voxel [world]."""
+        return tuple(self._c.lattice.spacing)  # type: ignore[return-value]
+
+    @property
+    def corner(self) -> tuple[float, float, float]:
+        """Low corner of the grid's voxel (0, 0, 0) [world]."""
+        return tuple(o + i * s for o, i, s in zip(self._c.lattice.origin, self.low, self.spacing))  # type: ignore[return-value]
+
+    @property
+    def center0(self) -> tuple[float, float, float]:
+        """Centre of the grid's voxel (0, 0, 0) [world]."""
+        return tuple(o + (i + 0.5) * s for o, i, s in zip(self._c.lattice.origin, self.low, self.spacing))  # type: ignore[return-value]
+
+    # ---- its bits ----
+
+    @property
+    def words(self) -> Any:
+        """The bits themselves, (z, y, words a row) uint64, read-only, no copy: voxel x is bit ``x % 64`` of word ``x // 64``."""
+        return self._words(writable=False)
+
+    def _words(self, writable: bool) -> Any:
+        shape = (self._c.size[2], self._c.size[1], self._c.words_per_row)
+        return arrays.array_at(self._c.words, "uint64", shape, self._c, writable)
+
+    def to_numpy(self, order: str = "xyz") -> Any:
+        """A new bool array, one byte a voxel: ``array[x, y, z]``, or with order "zyx" ``array[z, y, x]``.
+
+        Both lie in memory with x running fastest.
+        """
+        np = arrays.numpy("Grid.to_numpy")
+        if order not in ("xyz", "zyx"):
+            raise ArgumentError(f"order is {order!r}; it must be 'xyz' or 'zyx'")
+        nx, ny, nz = self.shape
+        as_bytes = self.words.astype("<u8", copy=False).view(np.uint8)
+        zyx = np.unpackbits(as_bytes, axis=2, count=nx, bitorder="little").view(np.bool_)
+        return zyx if order == "zyx" else zyx.transpose(2, 1, 0)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        if copy is False:
+            raise ValueError("the bits are packed: an array of them is always a copy")
+        made = self.to_numpy()
+        return made if dtype is None else made.astype(dtype)
+
+    def __getitem__(self, voxel: Any) -> bool:
+        """Whether voxel (x, y, z) of the window is set; no negative numbers, no slices (see `to_numpy`)."""
+        x, y, z = arrays.triple("voxel", voxel, int)
+        nx, ny, nz = self.shape
+        if not (0 <= x < nx and 0 <= y < ny and 0 <= z < nz):
+            raise IndexError(f"voxel {(x, y, z)} is not in a grid of shape {self.shape}")
+        return bool(self._c.words[(z * ny + y) * self._c.words_per_row + (x >> 6)] >> (x & 63) & 1)
+
+    def __iter__(self) -> Any:
+        raise TypeError("a Grid has no rows to walk: take to_numpy() or voxels()")
+
+    def voxels(self) -> Any:
+        """Indices (n, 3) int64 of the set voxels in the window, in the order of the bits (z, y, x)."""
+        np = arrays.numpy("Grid.voxels")
+        return np.argwhere(self.to_numpy("zyx"))[:, ::-1]
+
+    @property
+    def count(self) -> int:
+        """Set voxels."""
+        out = ffi.new("uint64_t *")
+        with Run() as run:
+            run.check(lib.bvx_grid_count(run.context, self._c, out))
+        return out[0]
+
+    @property
+    def volume(self) -> float:
+        """Of the set voxels [world^3]."""
+        a, b, c = self.spacing
+        return self.count * (a * b * c)
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __bool__(self) -> bool:
+        return self.count != 0
+
+    def content_hash(self) -> int:
+        """The library's hash of lattice, window and bits: the same on every machine."""
+        if self._hash is None:
+            out = ffi.new("uint64_t *")
+            with Run() as run:
+                run.check(lib.bvx_grid_hash(run.context, self._c, out))
+            self._hash = out[0]
+        return self._hash
+
+    def __hash__(self) -> int:
+        return hash(self.content_hash())
+
+    # ---- set algebra ----
+
+    def _same_place(self, other: Any) -> bool:
+        return (self.low, self.shape, self.lattice) == (other.low, other.shape, other.lattice)
+
+    def _combined(self, other: Any, operation: int) -> Grid:
+        if not isinstance(other, Grid):
+            return NotImplemented
+        if not self._same_place(other):
+            raise LatticeError(f"{self!r} and {other!r} do not share lattice and window")
+        made = Grid(self.lattice, (self.low, self.shape))
+        count = self._c.size[2] * self._c.size[1] * self._c.words_per_row
+        lib.bvxpy_combine(made._c.words, self._c.words, other._c.words, count, operation)
+        return made
+
+    def __or__(self, other: Any) -> Grid:
+        return self._combined(other, _OR)
+
+    def __and__(self, other: Any) -> Grid:
+        return self._combined(other, _AND)
+
+    def __xor__(self, other: Any) -> Grid:
+        return self._combined(other, _XOR)
+
+    def __sub__(self, other: Any) -> Grid:
+        return self._combined(other, _MINUS)
+
+    def __invert__(self) -> Grid:
+        made = self._combined(self, _OR)
+        lib.bvxpy_invert(made._c)
+        return made
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Grid):
+            return NotImplemented
+        if not self._same_place(other):
+            return False
+        size = self._c.size[2] * self._c.size[1] * self._c.words_per_row * 8
+        return ffi.buffer(self._c.words, size) == ffi.buffer(other._c.words, size)
+
+    def __le__(self, other: Any) -> bool:
+        return not (self - other).count if isinstance(other, Grid) else NotImplemented
+
+    def __ge__(self, other: Any) -> bool:
+        return other <= self if isinstance(other, Grid) else NotImplemented
+
+    # ---- questions ----
+
+    def compare(self, other: Grid) -> Any:
+        """What two grids share and where they differ: a named tuple with the fields of ``bvx_grid_difference``."""
+        out = ffi.new("bvx_grid_difference *")
+        with Run() as run:
+            run.check(lib.bvx_grid_compare(run.context, self._c, other._c, out))
+        return record(out)
+
+    def cast(self, rays: Any, *, t_max: float = float("inf")) -> Any:
+        """Where rays first meet a set voxel.
+
+        Args:
+            rays: (n, 6) origin and direction, of any length but 0 [world].
+            t_max: hits have ``0 <= t <= t_max``, position = origin + t * direction.
+
+        Returns:
+            A record array of n hits with t, position [world], voxel, axis (-1: the ray starts inside), hit (0 or 1).
+        """
+        given = arrays.numbers_in(rays, "rays", 6)
+        out = ffi.new("bvx_ray_hit[]", max(1, given.count))
+        with Run() as run:
+            run.check(lib.bvx_grid_cast(run.context, self._c, ffi.cast("double *", given.pointer), given.count, t_max, out))
+        return arrays.records_at(out, "bvx_ray_hit", given.count, out)
+
+    def sample(self, points: Any, *, gradients: bool = False) -> Any:
+        """Trilinear samples at points: 1 at the centres of set voxels, 0 at those of others and beyond the window.
+
+        Args:
+            points: (n, 3) [world].
+            gradients: also return gradients (n, 3) [1 / world].
+
+        Returns:
+            (n,) float64, or (values, gradients).
+        """
+        given = arrays.numbers_in(points, "points", 3)
+        values = ffi.new("double[]", max(1, given.count))
+        slopes = ffi.new("double[]", max(1, 3 * given.count)) if gradients else ffi.NULL
+        with Run() as run:
+            run.check(lib.bvx_grid_sample(run.context, self._c, ffi.cast("double *", given.pointer), given.count, values, slopes))
+        first = arrays.array_at(values, "float64", (given.count,), values, writable=True)
+        if not gradients:
+            return first
+        return first, arrays.array_at(slopes, "float64", (given.count, 3), slopes, writable=True)
+
+    def fill(self, seeds: Any, *, connectivity: int = 6) -> Grid:
+        """All voxels that are connected with one of the seeds through empty voxels.
+
+        Args:
+            seeds: (n, 3) voxels of the window, none of them set.
+            connectivity: 6 (across faces), 18 (and edges) or 26 (and corners).
+        """
+        given = arrays.numbers_in(seeds, "seeds", 3, "int32")
+        made = new_grid()
+        with Run() as run:
+            run.check(lib.bvx_grid_fill(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, connectivity, made))
+        return Grid._made(made)
+
+    # ---- others ----
+
+    def surface(self, **options: Any) -> Any:
+        """The closed surface; see `bitvox.surface`."""
+        from ._stages import surface
+
+        return surface(self, **options)
+
+    def to_pyvista(self) -> Any:
+        """A pyvista.ImageData with the cell data "set" (uint8)."""
+        from ._errors import need
+
+        pyvista = need("pyvista", "view")
+        image = pyvista.ImageData(dimensions=tuple(n + 1 for n in self.shape), spacing=self.spacing, origin=self.corner)
+        image.cell_data["set"] = self.to_numpy("zyx").reshape(-1).view("uint8")
+        return image
+
+    def plot(self, **options: Any) -> Any:
+        """Show its voxels in a window through PyVista."""
+        return self.to_pyvista().threshold(0.5, scalars="set").plot(**options)
+
+    def _repr_png_(self) -> bytes | None:
+        from ._image import render
+
+        return render(self, size=(480, 360)).png() if self else None
+
+    def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
+        """Write it to a file; see `bitvox.write`."""
+        from ._files import write
+
+        write(self, path, format=format)
+
+    def __repr__(self) -> str:
+        x, y, z = self.shape
+        return f"Grid({x} x {y} x {z}, {self.count} set)"
+
+    def __dask_tokenize__(self) -> Any:
+        return (type(self).__name__, self.content_hash())
+
+    def __reduce__(self) -> Any:
+        size = self._c.size[2] * self._c.size[1] * self._c.words_per_row * 8
+        data = bytes(ffi.buffer(self._c.words, size))
+        if not arrays.LITTLE:
+            data = self.words.astype("<u8").tobytes()
+        return _grid_from, (self.lattice, self.low, self.shape, data)
+
+
+def _grid_from(lattice: Lattice, low: Any, shape: Any, data: bytes) -> Grid:
+    grid = Grid(lattice, (low, shape))
+    if not arrays.LITTLE:
+        data = arrays.numpy("unpickling").frombuffer(data, "<u8").astype("u8").tobytes()
+    if len(data) != 8 * grid._c.words_per_row * grid._c.size[1] * grid._c.size[2]:
+        raise FormatError(f"{len(data)} bytes are not those of a grid of shape {grid.shape}")
+    ffi.memmove(grid._c.words, data, len(data))
+    return grid
+
+
+def new_grid() -> Any:
+    """An empty bvx_grid that is freed with the last thing that looks at it."""
+    return ffi.gc(ffi.new("bvx_grid *"), lib.bvxpy_free_grid)

@@ -1,0 +1,141 @@
+"""Pictures of meshes and grids."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Sequence
+
+from . import _arrays as arrays
+from ._errors import ArgumentError
+from ._run import Progress, Run, ffi, in_range, lib, options_of
+
+
+class Image:
+    """Pixels (height, width, 3) uint8; shows itself in a notebook."""
+
+    __slots__ = ("_c",)
+
+    def __init__(self, owner: Any) -> None:
+        self._c = owner
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return (self._c.width, self._c.height)
+
+    @property
+    def pixels(self) -> Any:
+        """(height, width, 3) uint8: red, green, blue, top row first; read-only, no copy."""
+        return arrays.array_at(self._c.pixels, "uint8", (self._c.height, self._c.width, 3), self._c)
+
+    def png(self) -> bytes:
+        """A PNG file's bytes; they depend on the pixels alone."""
+        out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
+        with Run() as run:
+            run.check(lib.bvx_write_png(run.context, self._c, out))
+        return bytes(ffi.buffer(out.bytes, out.size))
+
+    def _repr_png_(self) -> bytes:
+        return self.png()
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        np = arrays.numpy("Image")
+        return np.array(self.pixels, dtype=dtype)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a PNG file."""
+        from ._files import write_bytes
+
+        if not os.fspath(path).lower().endswith(".png"):
+            raise ArgumentError(f"{os.fspath(path)}: pictures are written as .png")
+        write_bytes(path, self.png())
+
+    def __repr__(self) -> str:
+        return f"Image({self.size[0]} x {self.size[1]})"
+
+
+def _colour(name: str, value: Sequence[int]) -> tuple[int, int, int, int]:
+    found = tuple(value)
+    if len(found) != 3:
+        raise ArgumentError(f"{name} must be red, green, blue")
+    return (*(in_range(name, x, 0, 255) for x in found), 0)  # type: ignore[return-value]
+
+
+def render(
+    source: Any,
+    *,
+    size: Sequence[int] = (1024, 768),
+    from_: Sequence[float] = (3.0, -4.0, 2.0),
+    up: Sequence[float] = (0.0, 0.0, 1.0),
+    smooth: bool = False,
+    wireframe: bool = False,
+    cut: dict[str, float] | None = None,
+    cut_low: Sequence[float] | None = None,
+    cut_high: Sequence[float] | None = None,
+    colour: Sequence[int] = (200, 196, 188),
+    background: Sequence[int] = (255, 255, 255),
+    samples: int = 2,
+    show: Sequence[float] = (0.0, 0.0),
+    slices: tuple[str, int] | None = None,
+    compare: Any = None,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Image:
+    """A shaded picture of a mesh or a grid; the same bytes on every machine.
+
+    Args:
+        source: a mesh (what `Mesh.of` takes; the colours of its vertices show) or a `Grid`.
+        size: width and height in pixels.
+        from_: direction from the model to the eye (the program's ``--from``).
+        up: what is up in the picture.
+        smooth: normals averaged at vertices.
+        wireframe: edges of triangles or voxels drawn over the surface.
+        cut: take away what lies between planes and the eye: ``{"x": 0.5, "z": 1.0}`` [world].
+        cut_low, cut_high: take away what lies below and above these three [world].
+        colour, background: red, green, blue.
+        samples: rays a pixel along each side, 1 to 4.
+        show: half width and half height that the frame shows at least [world].
+        slices: ("z", 12): a sheet of slices of a grid across an axis, in place of a view.
+        compare: a second grid: what it adds is green, what it lacks red.
+
+    Returns:
+        An `Image`.
+    """
+    from ._grid import Grid
+    from ._mesh import Mesh
+
+    options = options_of("render_options")
+    options.width, options.height = (in_range("size", n, 1, 16384) for n in size)
+    options.direction, options.up = arrays.triple("from_", from_), arrays.triple("up", up)
+    options.smooth, options.wireframe, options.samples = int(bool(smooth)), int(bool(wireframe)), in_range("samples", samples, 1, 4)
+    options.colour, options.background = _colour("colour", colour), _colour("background", background)
+    options.show = tuple(float(x) for x in show)
+    if cut_low is not None:
+        options.cut_low = arrays.triple("cut_low", cut_low)
+    if cut_high is not None:
+        options.cut_high = arrays.triple("cut_high", cut_high)
+    for axis, at in (cut or {}).items():
+        if axis not in ("x", "y", "z"):
+            raise ArgumentError(f"cut: {axis!r} is no axis; it must be x, y or z")
+        i = "xyz".index(axis)
+        (options.cut_high if options.direction[i] >= 0 else options.cut_low)[i] = float(at)
+    image = ffi.gc(ffi.new("bvx_image *"), lib.bvxpy_free_image)
+    with Run(threads, memory_limit, progress) as run:
+        if slices is not None or compare is not None:
+            if not isinstance(source, Grid):
+                raise ArgumentError("slices and compare are for grids")
+            if slices is not None and compare is not None:
+                raise ArgumentError("slices and compare contradict each other; give one of them")
+        if slices is not None:
+            axis, count = slices
+            if axis not in ("x", "y", "z"):
+                raise ArgumentError(f"slices: {axis!r} is no axis; it must be x, y or z")
+            run.check(lib.bvx_render_slices(run.context, source._c, "xyz".index(axis), in_range("slices", count, 1, 1024), options, image))
+        elif compare is not None:
+            run.check(lib.bvx_render_difference(run.context, source._c, compare._c, options, image))
+        elif isinstance(source, Grid):
+            run.check(lib.bvx_render_grid(run.context, source._c, options, image))
+        else:
+            run.check(lib.bvx_render_mesh(run.context, Mesh.of(source)._view(run), options, image))
+    return Image(image)

@@ -1,0 +1,121 @@
+"""Meshes of other libraries, told by what they offer; none of these libraries is imported."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from . import _arrays as arrays
+from ._errors import ArgumentError, UnsupportedError
+from ._mesh import Mesh
+
+
+def mesh_from(source: Any) -> Mesh:
+    """See `Mesh.of`."""
+    if isinstance(source, (str, os.PathLike)):
+        from ._files import read
+
+        found = read(source)
+        if not isinstance(found, Mesh):
+            raise ArgumentError(f"{os.fspath(source)} holds a grid where a mesh is wanted")
+        return found
+    if isinstance(source, (tuple, list)):
+        if len(source) != 2:
+            raise ArgumentError(f"a mesh is (vertices, faces); this has {len(source)} parts")
+        return Mesh(source[0], source[1])
+    for looks, take in (
+        (_is_open3d_tensor, _from_open3d_tensor),
+        (_is_open3d, _from_open3d),
+        (_is_scene, _from_scene),
+        (_is_polydata, _from_polydata),
+        (_is_meshio, _from_meshio),
+        (_is_trimesh, _from_trimesh),
+    ):
+        if looks(source):
+            return take(source)
+    if getattr(source, "ndim", 0) == 3:
+        return Mesh(source)
+    raise TypeError(
+        f"{type(source).__name__} is no mesh: give (vertices, faces), a Mesh, or a mesh of trimesh, PyVista, Open3D or meshio"
+    )
+
+
+def _has(source: Any, *names: str) -> bool:
+    return all(hasattr(source, name) for name in names)
+
+
+def _is_trimesh(source: Any) -> bool:
+    return _has(source, "vertices", "faces")
+
+
+def _from_trimesh(source: Any) -> Mesh:
+    visual = getattr(source, "visual", None)
+    colours = getattr(visual, "vertex_colors", None) if getattr(visual, "kind", None) == "vertex" else None
+    return Mesh(_base(source.vertices), _base(source.faces), colours=None if colours is None else _base(colours))
+
+
+def _base(array: Any) -> Any:
+    """A plain array where a library hands out its own kind."""
+    np = arrays.numpy_or_none()
+    return array.view(np.ndarray) if np is not None and isinstance(array, np.ndarray) else array
+
+
+def _is_scene(source: Any) -> bool:
+    return _has(source, "geometry", "graph") and (_has(source, "to_mesh") or _has(source, "dump"))
+
+
+def _from_scene(source: Any) -> Mesh:
+    return _from_trimesh(source.to_mesh() if hasattr(source, "to_mesh") else source.dump(concatenate=True))
+
+
+def _is_polydata(source: Any) -> bool:
+    return _has(source, "points", "faces", "triangulate", "n_points")
+
+
+def _from_polydata(source: Any) -> Mesh:
+    np = arrays.numpy("PyVista")
+    plain = source.is_all_triangles
+    if not (plain() if callable(plain) else plain):
+        source = source.triangulate()
+    faces = np.asarray(source.faces)
+    if faces.size % 4 or (faces[::4] != 3).any():
+        raise ArgumentError("the PolyData holds faces that triangulate() leaves")
+    return Mesh(np.asarray(source.points), faces.reshape(-1, 4)[:, 1:])
+
+
+def _is_open3d_tensor(source: Any) -> bool:
+    return _has(source, "vertex", "triangle") and hasattr(source.vertex, "positions")
+
+
+def _from_open3d_tensor(source: Any) -> Mesh:
+    colours = source.vertex.colors.cpu().numpy() if "colors" in source.vertex else None
+    return Mesh(source.vertex.positions.cpu().numpy(), source.triangle.indices.cpu().numpy(), colours=colours)
+
+
+def _is_open3d(source: Any) -> bool:
+    return _has(source, "vertices", "triangles", "triangle_normals")
+
+
+def _from_open3d(source: Any) -> Mesh:
+    np = arrays.numpy("Open3D")
+    colours = np.asarray(source.vertex_colors) if source.has_vertex_colors() else None
+    return Mesh(np.asarray(source.vertices), np.asarray(source.triangles), colours=colours)
+
+
+def _is_meshio(source: Any) -> bool:
+    return _has(source, "points", "cells", "cell_data")
+
+
+def _from_meshio(source: Any) -> Mesh:
+    np = arrays.numpy("meshio")
+    parts = []
+    for block in source.cells:
+        kind, data = (block.type, np.asarray(block.data)) if hasattr(block, "type") else (block[0], np.asarray(block[1]))
+        if kind in ("vertex", "line"):
+            continue
+        if kind not in ("triangle", "quad", "polygon") and not kind.startswith("polygon"):
+            raise UnsupportedError(f"meshio cells of type {kind}: only triangles, quads and polygons make a surface")
+        for i in range(1, data.shape[1] - 1):
+            parts.append(np.stack((data[:, 0], data[:, i], data[:, i + 1]), axis=1))
+    faces = np.concatenate(parts) if parts else np.zeros((0, 3), np.uint32)
+    return Mesh(np.asarray(source.points), faces)

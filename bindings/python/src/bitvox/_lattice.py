@@ -1,0 +1,155 @@
+"""Where voxels lie: lattices and windows of them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Sequence, Union
+
+from ._arrays import triple
+from ._errors import ArgumentError
+from ._run import Run, ffi, in_range, lib, options_of
+
+
+class Window(NamedTuple):
+    """A box of a lattice: voxels ``low .. low + size - 1`` along x, y, z."""
+
+    low: tuple[int, int, int]
+    size: tuple[int, int, int]
+
+
+WindowLike = Union[Window, Sequence[Any], None]
+
+
+def set_window(name: str, target: Any, window: WindowLike) -> None:
+    """Fill a bvx_window from a Window, from (low, size) or from (x0, y0, z0, x1, y1, z1) as the program takes it."""
+    if window is None:
+        return
+    parts = tuple(window)
+    if len(parts) == 6:
+        low, high = triple(name, parts[:3], int), triple(name, parts[3:], int)
+        size = tuple(b - a for a, b in zip(low, high))
+    elif len(parts) == 2:
+        low, size = triple(name, parts[0], int), triple(name, parts[1], int)
+    else:
+        raise ArgumentError(f"{name} must be (low, size) or six numbers x0, y0, z0, x1, y1, z1")
+    if min(size) < 1:
+        raise ArgumentError(f"{name} holds no voxel: its size is {size}")
+    target.low, target.size = low, size
+
+
+class Lattice:
+    """A regular lattice of voxels in space.
+
+    Voxel ``(i, j, k)`` is the box from ``corner + ijk * spacing`` to ``corner + (ijk + 1) * spacing``; samples are taken
+    at its centre. Two lattices are equal when all their fields are.
+
+    Args:
+        shape: voxels along x, y and z, each 1 to 2**25.
+        spacing: edges of a voxel, one number or three [world].
+        corner: low corner of voxel (0, 0, 0) [world].
+
+    Raises:
+        RangeError: a number out of range, or a lattice beyond what doubles tell apart.
+    """
+
+    __slots__ = ("_c",)
+
+    def __init__(self, shape: Sequence[int], spacing: Any = 1.0, corner: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        self._c = ffi.new("bvx_lattice *")
+        with Run() as run:
+            run.check(lib.bvx_lattice_make(run.context, triple("corner", corner), triple("spacing", spacing),
+                                           triple("shape", shape, int), self._c))
+
+    @classmethod
+    def _of(cls, struct: Any) -> Lattice:
+        self = cls.__new__(cls)
+        self._c = ffi.new("bvx_lattice *", struct[0] if ffi.typeof(struct).kind == "pointer" else struct)
+        return self
+
+    @classmethod
+    def fit(cls, mesh: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
+        """A lattice around a mesh, low-aligned: the least shape that covers the bounds.
+
+        Args:
+            mesh: what `bitvox.Mesh.of` takes.
+            resolution: voxels along the longest axis (cubic voxels), or three numbers, one for each axis. Default 256.
+            spacing: edges of a voxel, in place of a resolution [world].
+            padding: empty voxels added on every side.
+            corner: low corner of voxel (0, 0, 0), with ``spacing``, in place of the mesh's own [world].
+        """
+        from ._mesh import Mesh
+
+        options = options_of("lattice_options")
+        if spacing is not None:
+            if resolution is not None:
+                raise ArgumentError("resolution and spacing contradict each other; give one of them")
+            options.spacing = triple("spacing", spacing)
+        elif resolution is None:
+            options.resolution = 256
+        elif isinstance(resolution, (list, tuple)) or getattr(resolution, "ndim", None):
+            options.axis_resolution = triple("resolution", resolution, int)
+        else:
+            options.resolution = in_range("resolution", resolution, 1, 2**25)
+        options.padding = in_range("padding", padding, 0, 65536)
+        source = Mesh.of(mesh)
+        self = cls.__new__(cls)
+        self._c = ffi.new("bvx_lattice *")
+        with Run() as run:
+            run.check(lib.bvx_lattice_fit_with(run.context, source._view(run), options, self._c))
+        if corner is None:
+            return self
+        if spacing is None:
+            raise ArgumentError("corner is taken together with spacing alone")
+        import math
+
+        low, high = triple("corner", corner), source.bounds[1]
+        shape = [max(1, math.ceil((b - a) / s)) for a, b, s in zip(low, high, self.spacing)]
+        if padding:
+            shape = [n + 2 * padding for n in shape]
+            low = tuple(a - padding * s for a, s in zip(low, self.spacing))  # type: ignore[assignment]
+        return cls(shape, self.spacing, low)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Voxels along x, y, z."""
+        return tuple(self._c.dims)  # type: ignore[return-value]
+
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """Edges of a voxel along x, y, z [world]."""
+        return tuple(self._c.spacing)  # type: ignore[return-value]
+
+    @property
+    def corner(self) -> tuple[float, float, float]:
+        """Low corner of voxel (0, 0, 0) [world]."""
+        return tuple(self._c.origin)  # type: ignore[return-value]
+
+    @property
+    def center0(self) -> tuple[float, float, float]:
+        """Centre of voxel (0, 0, 0) [world]."""
+        return tuple(o + 0.5 * s for o, s in zip(self.corner, self.spacing))  # type: ignore[return-value]
+
+    @property
+    def fraction_bits(self) -> int:
+        """Fixed-point bits below a voxel, to which vertices are snapped."""
+        return self._c.fraction_bits
+
+    def _key(self) -> tuple[Any, ...]:
+        return (self.shape, self.spacing, self.corner, self.fraction_bits)
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, Lattice) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __reduce__(self) -> Any:
+        return _lattice_from, self._key()
+
+    def __repr__(self) -> str:
+        return f"Lattice(shape={self.shape}, spacing={self.spacing}, corner={self.corner})"
+
+
+def _lattice_from(shape: Any, spacing: Any, corner: Any, fraction_bits: int) -> Lattice:
+    self = Lattice.__new__(Lattice)
+    self._c = ffi.new("bvx_lattice *", {"origin": corner, "spacing": spacing, "dims": shape, "fraction_bits": fraction_bits})
+    return self

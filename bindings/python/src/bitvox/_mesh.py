@@ -1,0 +1,353 @@
+"""Meshes: what users have, what the library makes."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Sequence
+
+from . import _arrays as arrays
+from ._errors import ArgumentError, RangeError
+from ._records import record
+from ._run import Run, ffi, lib
+
+_POSITIONS = {"float32": "BVX_F32", "float64": "BVX_F64"}
+
+
+def position_type(dtype: Any) -> int:
+    """BVX_F32 or BVX_F64 from "float32", "float64", their numpy types or their short names."""
+    name = getattr(dtype, "__name__", None) or getattr(dtype, "name", None) or str(dtype)
+    name = {"f32": "float32", "f64": "float64", "f4": "float32", "f8": "float64", "float": "float64"}.get(name, name)
+    if name not in _POSITIONS:
+        raise ArgumentError(f"dtype is {dtype!r}; it must be float32 or float64")
+    return getattr(lib, _POSITIONS[name])
+
+
+class Mesh:
+    """Triangles: vertices (n, 3) [world] and faces (m, 3) of vertex numbers, counter-clockwise seen from outside.
+
+    Arrays that are given are kept, not copied, where the library can read them as they lie in memory: vertices as float32 or
+    float64 with any distance between rows, faces as 16- to 64-bit whole numbers. Other types are copied: whole numbers
+    become float64, both exactly or with an error. Do not change arrays while a call works on them.
+
+    Args:
+        vertices: (n, 3), or (m, 3, 3): the corners of m triangles, without faces.
+        faces: (m, 3) whole numbers, each below n. None: vertices 3t, 3t+1, 3t+2 are triangle t.
+        colours: (n, 3) or (n, 4), 0..255 or floats 0..1; pictures show them, files and levels of detail keep them.
+        uvs: (k, 2) texture coordinates; ``uv_faces`` (m, 3) numbers into them, or None when k is n.
+        frame: added to the vertices when the mesh was made about a local origin [world].
+
+    Raises:
+        ArgumentError: shapes that do not fit. TypeError: values that are no numbers.
+        RangeError: whole numbers that would lose digits; vertex numbers below 0 or beyond the vertices (by the call that
+            uses them).
+    """
+
+    __slots__ = ("_vertices", "_faces", "_colours", "_uvs", "_uv_faces", "_keys", "frame", "report", "__weakref__")
+
+    def __init__(self, vertices: Any, faces: Any = None, *, colours: Any = None, uvs: Any = None, uv_faces: Any = None,
+                 frame: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        if faces is None and getattr(vertices, "ndim", 0) == 3:
+            vertices = vertices.reshape(-1, 3)
+        self._vertices = arrays.vertices_in(vertices)
+        if faces is None:
+            if len(self._vertices) % 3:
+                raise ArgumentError(f"without faces, vertices come in threes; there are {len(self._vertices)}")
+            self._faces = None
+        else:
+            self._faces = arrays.faces_in(faces, len(self._vertices))
+        self._colours = arrays.colours_in(colours, len(self._vertices))
+        self._uvs = self._uv_faces = None
+        if uvs is not None:
+            self._set_uvs(uvs, uv_faces)
+        elif uv_faces is not None:
+            raise ArgumentError("uv_faces are given without uvs")
+        self._keys: tuple[Any, Any] | None = None
+        self.frame = arrays.triple("frame", frame)
+        self.report: Any = None
+
+    def _set_uvs(self, uvs: Any, uv_faces: Any) -> None:
+        np = arrays.numpy("texture coordinates")
+        found = np.ascontiguousarray(arrays.as_numpy(uvs, "uvs"), np.float32)
+        if found.ndim != 2 or found.shape[1] != 2 or (uv_faces is None and len(found) != len(self._vertices)):
+            raise ArgumentError(f"uvs have shape {found.shape}; they must be (n, 2), with uv_faces (k, 2)")
+        self._uvs = found
+        if uv_faces is not None:
+            numbers = arrays.faces_in(uv_faces, len(found))
+            if len(numbers) != self.n_faces or (numbers.size and (int(numbers.min()) < 0 or int(numbers.max()) >= len(found))):
+                raise RangeError("uv_faces must be (m, 3) numbers into uvs")
+            self._uv_faces = np.ascontiguousarray(numbers, np.uint32)
+
+    @classmethod
+    def _made(cls, owner: Any) -> Mesh:
+        """A mesh over the arrays of a bvx_mesh that the library made."""
+        self = cls.__new__(cls)
+        n, m = owner.vertex_count, owner.triangle_count
+        dtype = "float32" if owner.position_type == lib.BVX_F32 else "float64"
+        self._vertices = arrays.array_at(owner.positions, dtype, (n, 3), owner, writable=True)
+        self._faces = arrays.array_at(owner.triangles, "uint32", (m, 3), owner, writable=True)
+        self._colours = self._uvs = self._uv_faces = self._keys = None
+        if owner.colours != ffi.NULL:
+            self._colours = arrays.array_at(owner.colours, "uint8", (n, 4), owner, writable=True)
+        if owner.uvs != ffi.NULL:
+            by_vertex = owner.uv_triangles == ffi.NULL
+            self._uvs = arrays.array_at(owner.uvs, "float32", (n if by_vertex else owner.uv_count, 2), owner, writable=True)
+            if not by_vertex:
+                self._uv_faces = arrays.array_at(owner.uv_triangles, "uint32", (m, 3), owner, writable=True)
+        if owner.vertex_keys != ffi.NULL and owner.triangle_keys != ffi.NULL:
+            self._keys = (arrays.array_at(owner.vertex_keys, "uint64", (n,), owner),
+                          arrays.array_at(owner.triangle_keys, "uint64", (m,), owner))
+        self.frame = tuple(owner.frame)
+        self.report = None
+        return self
+
+    @classmethod
+    def of(cls, source: Any) -> Mesh:
+        """A mesh from what a user has, without a copy where possible.
+
+        Args:
+            source: a `Mesh`; (vertices, faces); a trimesh Trimesh or Scene; a PyVista PolyData; an Open3D mesh, legacy or
+                tensor; a meshio Mesh; a file's name. Faces with more than three corners must be convex: they become fans.
+        """
+        if isinstance(source, cls):
+            return source
+        from ._inputs import mesh_from
+
+        return mesh_from(source)
+
+    # ---- what it holds ----
+
+    @property
+    def vertices(self) -> Any:
+        """(n, 3) float32 or float64 [world, less `frame`]; a memoryview of that shape without numpy."""
+        return self._vertices
+
+    @property
+    def faces(self) -> Any:
+        """(m, 3) vertex numbers, uint32 where the library made them."""
+        if self._faces is None:
+            np = arrays.numpy("numbering vertices")
+            self._faces = np.arange(len(self._vertices), dtype=np.uint32).reshape(-1, 3)
+        return self._faces
+
+    @property
+    def colours(self) -> Any:
+        """(n, 4) uint8 red, green, blue, alpha, or None."""
+        return self._colours
+
+    @property
+    def uvs(self) -> Any:
+        """(k, 2) float32 texture coordinates, or None."""
+        return self._uvs
+
+    @property
+    def uv_faces(self) -> Any:
+        """(m, 3) uint32 numbers into `uvs`, or None: each vertex has the coordinates of its own number."""
+        return self._uv_faces
+
+    @property
+    def keys(self) -> tuple[Any, Any] | None:
+        """Canonical keys of vertices and of triangles' cells, uint64, where they were asked for; else None."""
+        return self._keys
+
+    @property
+    def n_vertices(self) -> int:
+        """How many vertices there are."""
+        return len(self._vertices)
+
+    @property
+    def n_faces(self) -> int:
+        """How many triangles there are."""
+        return len(self._vertices) // 3 if self._faces is None else len(self._faces)
+
+    def astype(self, vertices: Any = None, faces: Any = None) -> Mesh:
+        """The same mesh with arrays of other types: ``mesh.astype("float64", "int64")`` is what trimesh works with.
+
+        Args:
+            vertices: float32 or float64. faces: uint32, int32, uint64, int64. None leaves them. Numbers that do not fit are
+                an error.
+        """
+        np = arrays.numpy("astype")
+        other = Mesh.__new__(Mesh)
+        other._vertices = self._vertices if vertices is None else np.asarray(self._vertices).astype(vertices, copy=False)
+        found = np.asarray(self.faces)
+        if faces is not None:
+            if found.size and int(found.max()) > np.iinfo(faces).max:
+                raise RangeError(f"vertex {found.max()} does not fit {np.dtype(faces)}")
+            found = found.astype(faces, copy=False)
+        other._faces = found
+        other._colours, other._uvs, other._uv_faces = self._colours, self._uvs, self._uv_faces
+        other._keys, other.frame, other.report = self._keys, self.frame, self.report
+        return other
+
+    # ---- for the library ----
+
+    def _view(self, run: Run) -> Any:
+        """A bvx_mesh_view; run keeps what it points at."""
+        view = ffi.new("bvx_mesh_view *")
+        v = arrays.borrow_vertices(self._vertices)
+        view.positions, view.vertex_count, view.position_type, view.position_stride = v.pointer, v.count, v.kind, v.stride
+        if self._faces is None:
+            view.triangle_count = v.count // 3
+        else:
+            f = arrays.borrow_faces(self._faces)
+            if f.count == 0:
+                f.pointer = v.pointer  # no triangle, where NULL would stand for soup
+            view.indices, view.triangle_count, view.index_type, view.index_stride = f.pointer, f.count, f.kind, f.stride
+        if self._colours is not None:
+            view.colours = ffi.cast("uint8_t *", arrays.address(self._colours))
+        run.meshes.append(self)
+        return view
+
+    def _struct(self, run: Run) -> Any:
+        """A bvx_mesh over packed arrays, for the functions that take one."""
+        np = arrays.numpy_or_none()
+        keep = []
+        mesh = ffi.new("bvx_mesh *")
+        positions, faces = self._vertices, self.faces
+        if np is not None:
+            positions = np.ascontiguousarray(positions)
+            arrays.refuse_negative(faces)
+            if faces.dtype.itemsize > 4 and faces.size and int(faces.max()) >= 2**32:
+                raise RangeError(f"vertex number {faces.max()} does not fit 32 bits")
+            faces = np.ascontiguousarray(faces, np.uint32)
+        elif faces.itemsize != 4:
+            from array import array
+
+            faces = memoryview(array("I", [i for row in faces.tolist() for i in row]))
+        borrowed = arrays.borrow_vertices(positions)
+        mesh.positions, mesh.position_type = borrowed.pointer, borrowed.kind
+        mesh.triangles = ffi.cast("uint32_t *", arrays.address(faces))
+        mesh.vertex_count = mesh.vertex_capacity = self.n_vertices
+        mesh.triangle_count = mesh.triangle_capacity = self.n_faces
+        mesh.frame = self.frame
+        keep += [positions, faces]
+        if self._colours is not None:
+            mesh.colours = ffi.cast("uint8_t *", arrays.address(self._colours))
+        if self._uvs is not None:
+            mesh.uvs = ffi.cast("float *", arrays.address(self._uvs))
+            mesh.uv_count = len(self._uvs)
+            if self._uv_faces is not None:
+                mesh.uv_triangles = ffi.cast("uint32_t *", arrays.address(self._uv_faces))
+        if self._keys is not None:
+            mesh.vertex_keys = ffi.cast("uint64_t *", arrays.address(self._keys[0]))
+            mesh.triangle_keys = ffi.cast("uint64_t *", arrays.address(self._keys[1]))
+        run.meshes.append(self)
+        run.keep(keep)
+        return mesh
+
+    def _refuse_negative_faces(self) -> None:
+        arrays.refuse_negative(self._faces)
+
+    # ---- questions ----
+
+    @property
+    def bounds(self) -> Any:
+        """Low and high corner of the vertices: ((x, y, z), (x, y, z)) [world]."""
+        if not len(self._vertices):
+            return ((0.0,) * 3, (0.0,) * 3)
+        np = arrays.numpy_or_none()
+        if np is not None:
+            low, high = self._vertices.min(axis=0), self._vertices.max(axis=0)
+        else:
+            rows = self._vertices.tolist()
+            low, high = [min(r[i] for r in rows) for i in range(3)], [max(r[i] for r in rows) for i in range(3)]
+        return (tuple(float(x) + f for x, f in zip(low, self.frame)), tuple(float(x) + f for x, f in zip(high, self.frame)))
+
+    def check(self, *, weld: bool = False) -> Any:
+        """What the mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
+
+        Args:
+            weld: take vertices at equal positions for one.
+
+        Returns:
+            A named tuple with the fields of ``bvx_certificate`` in the C header.
+        """
+        out = ffi.new("bvx_certificate *")
+        with Run() as run:
+            run.check(lib.bvx_mesh_check(run.context, self._view(run), int(bool(weld)), out))
+        return record(out)
+
+    def content_hash(self) -> int:
+        """The library's hash of type, counts, frame, vertices and triangles: the same on every machine."""
+        out = ffi.new("uint64_t *")
+        with Run() as run:
+            run.check(lib.bvx_mesh_hash(run.context, self._struct(run), out))
+        return out[0]
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Mesh):
+            return NotImplemented
+        if (self.n_vertices, self.n_faces, self.frame) != (other.n_vertices, other.n_faces, other.frame):
+            return False
+        np = arrays.numpy_or_none()
+        if np is None:
+            return self._vertices == other._vertices and self._faces == other._faces
+        return bool(np.array_equal(self._vertices, other._vertices) and np.array_equal(self.faces, other.faces))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"Mesh({self.n_vertices} vertices, {self.n_faces} faces)"
+
+    def __dask_tokenize__(self) -> Any:
+        return (type(self).__name__, *self.__getstate__()[:2])
+
+    def __getstate__(self) -> Any:
+        np = arrays.numpy("pickling")
+        held = [self._vertices, self._faces, self._colours, self._uvs, self._uv_faces, *(self._keys or (None, None))]
+        return [None if a is None else np.array(a) for a in held], self.frame, self.report
+
+    def __setstate__(self, state: Any) -> None:
+        held, self.frame, self.report = state
+        self._vertices, self._faces, self._colours, self._uvs, self._uv_faces = held[:5]
+        self._keys = None if held[5] is None else (held[5], held[6])
+
+    # ---- to others ----
+
+    def in_world(self) -> Any:
+        """Vertices with the frame added, float64."""
+        np = arrays.numpy("in_world")
+        return np.asarray(self._vertices, np.float64) + np.asarray(self.frame) if any(self.frame) else np.asarray(self._vertices, np.float64)
+
+    def to_trimesh(self) -> Any:
+        """A trimesh.Trimesh with the same vertices and faces, in the same order, and colours where there are any."""
+        from ._errors import need
+
+        trimesh = need("trimesh", "formats")
+        return trimesh.Trimesh(self.in_world(), self.faces.astype("int64"), vertex_colors=self._colours, process=False)
+
+    def to_pyvista(self) -> Any:
+        """A pyvista.PolyData; colours become the point data "colours"."""
+        from ._errors import need
+
+        np = arrays.numpy("to_pyvista")
+        pyvista = need("pyvista", "view")
+        flat = np.empty((self.n_faces, 4), np.int64)
+        flat[:, 0] = 3
+        flat[:, 1:] = self.faces
+        made = pyvista.PolyData(self.in_world(), flat.ravel())
+        if self._colours is not None:
+            made.point_data["colours"] = np.asarray(self._colours)
+        return made
+
+    def plot(self, **options: Any) -> Any:
+        """Show it in a window through PyVista; options are those of ``pyvista.PolyData.plot``."""
+        if self._colours is not None:
+            options = {"scalars": "colours", "rgb": True, **options}
+        return self.to_pyvista().plot(**options)
+
+    def _repr_png_(self) -> bytes | None:
+        from ._image import render
+
+        return render(self, size=(480, 360)).png() if self.n_faces else None
+
+    def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
+        """Write it to a file; see `bitvox.write`."""
+        from ._files import write
+
+        write(self, path, format=format)
+
+
+def new_mesh() -> Any:
+    """An empty bvx_mesh that is freed with the last array over it."""
+    return ffi.gc(ffi.new("bvx_mesh *"), lib.bvxpy_free_mesh)

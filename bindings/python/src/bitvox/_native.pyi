@@ -1,0 +1,6 @@
+"""The extension that cffi makes."""
+
+from typing import Any
+
+ffi: Any
+lib: Any

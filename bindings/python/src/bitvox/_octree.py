@@ -1,0 +1,199 @@
+"""Octrees: voxels of several sizes."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Iterable, Union
+
+from . import _arrays as arrays
+from ._errors import ArgumentError
+from ._grid import Grid, new_grid
+from ._lattice import Lattice, WindowLike, set_window
+from ._mesh import Mesh, new_mesh, position_type
+from ._records import record
+from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
+
+STATES = ("outside", "inside", "surface")
+_DIRECTIONS = ("-x", "-y", "-z", "+x", "+y", "+z")
+
+States = Union[str, Iterable[str], None]
+
+
+def states_of(states: States) -> int:
+    """A set of states as the library takes it; None: surface and inside."""
+    if states is None:
+        return 0
+    names = states.split(",") if isinstance(states, str) else list(states)
+    if not names:
+        raise ArgumentError("states names none")
+    total = 0
+    for name in names:
+        total |= choice("states", name, "BVX_STATE_", STATES)
+    return total
+
+
+class Octree:
+    """Voxels of several sizes; made by `bitvox.refine`.
+
+    Leaves come as record arrays with the fields ``ijk`` (index among the voxels of their level), ``level`` (0 is the base)
+    and ``state`` (1 outside, 2 inside, 4 surface).
+    """
+
+    __slots__ = ("_c", "__weakref__")
+
+    def __init__(self, owner: Any) -> None:
+        self._c = owner
+
+    @property
+    def levels(self) -> int:
+        """How many times the base's voxels are halved: the number of the last level."""
+        return lib.bvx_octree_levels(self._c)
+
+    def lattice(self, level: int | None = None) -> Lattice:
+        """The lattice of a level; None: of the last."""
+        out = ffi.new("bvx_lattice *")
+        with Run() as run:
+            run.check(lib.bvx_octree_lattice(run.context, self._c, self._level(level), out))
+        return Lattice._of(out)
+
+    def _level(self, level: int | None) -> int:
+        return self.levels if level is None else in_range("level", level, 0, self.levels)
+
+    def counts(self) -> list[Any]:
+        """Counts of each level: voxels, split, surface, inside, outside, bytes."""
+        n = self.levels + 1
+        out = ffi.new("bvx_octree_level[]", n)
+        with Run() as run:
+            run.check(lib.bvx_octree_count(run.context, self._c, out, n))
+        return [record(out[i]) for i in range(n)]
+
+    def at(self, voxels: Any) -> Any:
+        """The leaves that hold voxels (n, 3) of the last level."""
+        given = arrays.numbers_in(voxels, "voxels", 3, "int32")
+        out = ffi.new("bvx_octree_leaf[]", max(1, given.count))
+        with Run() as run:
+            run.check(lib.bvx_octree_at(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, out))
+        return arrays.records_at(out, "bvx_octree_leaf", given.count, out)
+
+    def find(self, points: Any) -> Any:
+        """The leaves that hold points (n, 3) [world]; beyond the lattice: state outside, level 255."""
+        given = arrays.numbers_in(points, "points", 3)
+        out = ffi.new("bvx_octree_leaf[]", max(1, given.count))
+        with Run() as run:
+            run.check(lib.bvx_octree_find(run.context, self._c, ffi.cast("double *", given.pointer), given.count, out))
+        return arrays.records_at(out, "bvx_octree_leaf", given.count, out)
+
+    def neighbours(self, leaf: Any, direction: str) -> Any:
+        """The leaves that share a face with a leaf (one record), towards "-x", "-y", "-z", "+x", "+y" or "+z"."""
+        if direction not in _DIRECTIONS:
+            raise ArgumentError(f"direction is {direction!r}; it must be one of {', '.join(_DIRECTIONS)}")
+        one = ffi.new("bvx_octree_leaf *", {"ijk": [int(x) for x in leaf["ijk"]], "level": int(leaf["level"]), "state": int(leaf["state"])})
+        count = ffi.new("uint64_t *")
+        side = _DIRECTIONS.index(direction)
+        with Run() as run:
+            run.check(lib.bvx_octree_neighbours(run.context, self._c, one, side, ffi.NULL, 0, count))
+            out = ffi.new("bvx_octree_leaf[]", max(1, count[0]))
+            run.check(lib.bvx_octree_neighbours(run.context, self._c, one, side, out, count[0], count))
+        return arrays.records_at(out, "bvx_octree_leaf", count[0], out)
+
+    def cast(self, rays: Any, *, states: States = None, t_max: float = float("inf")) -> Any:
+        """Where rays (n, 6) first meet a leaf in a set of states: records with t, position [world], leaf, axis, hit."""
+        given = arrays.numbers_in(rays, "rays", 6)
+        out = ffi.new("bvx_octree_hit[]", max(1, given.count))
+        with Run() as run:
+            run.check(lib.bvx_octree_cast(run.context, self._c, states_of(states), ffi.cast("double *", given.pointer), given.count, t_max, out))
+        return arrays.records_at(out, "bvx_octree_hit", given.count, out)
+
+    def leaves(self, states: States = None) -> Any:
+        """The leaves in a set of states, ("surface", "inside") unless told."""
+        count = ffi.new("uint64_t *")
+        with Run() as run:
+            run.check(lib.bvx_octree_leaves(run.context, self._c, states_of(states), ffi.NULL, 0, count))
+            out = ffi.new("bvx_octree_leaf[]", max(1, count[0]))
+            run.check(lib.bvx_octree_leaves(run.context, self._c, states_of(states), out, count[0], count))
+        return arrays.records_at(out, "bvx_octree_leaf", count[0], out)
+
+    def expand(self, level: int | None = None, *, states: States = None, window: WindowLike = None) -> Grid:
+        """The voxels of one level (None: the last), in a set of states, as a grid."""
+        made = new_grid()
+        box = ffi.new("bvx_window *")
+        set_window("window", box, window)
+        with Run() as run:
+            run.check(lib.bvx_octree_expand(run.context, self._c, self._level(level), states_of(states), box, made))
+        return Grid._made(made)
+
+    def surface(self, *, states: States = None, dtype: Any = None, face_rule: str = "separate", local_frame: bool = False,
+                keys: bool = False) -> Mesh:
+        """The closed surface of the last level's voxels in a set of states; see `bitvox.surface` for the options."""
+        options = options_of("extract_options")
+        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+        options.local_frame, options.keys = int(bool(local_frame)), int(bool(keys))
+        return with_positions(
+            options, dtype, lambda run, made: lib.bvx_extract_octree(run.context, self._c, states_of(states), options, made))
+
+    def save(self, path: str | os.PathLike[str], *, states: States = None) -> None:
+        """Write a VTK unstructured grid (.vtu) of the leaves in a set of states."""
+        from ._files import write
+
+        write(self, path, states=states)
+
+    def __repr__(self) -> str:
+        counts = self.counts()
+        return f"Octree({self.levels} levels, {sum(c.voxels - c.split for c in counts)} leaves)"
+
+
+def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
+    """A mesh in the type asked for; None: float32, or float64 where float32 cannot tell neighbouring positions apart."""
+    with Run(**limits) as run:
+        options.position_type = lib.BVX_F32 if dtype is None else position_type(dtype)
+        made = new_mesh()
+        status = make(run, made)
+        if dtype is None and status == lib.BVX_ERR_RANGE and "take f64" in run.message():
+            options.position_type = lib.BVX_F64
+            made = new_mesh()
+            status = make(run, made)
+        run.check(status)
+    return Mesh._made(made)
+
+
+def refine(
+    mesh: Any,
+    *,
+    base: Any = 8,
+    levels: int = 6,
+    window: WindowLike = None,
+    outer_levels: int | None = None,
+    tolerance: float = 0.0,
+    start_level: int = -1,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Octree:
+    """Voxelize a mesh with small voxels at its surface alone.
+
+    Args:
+        mesh: what `Mesh.of` takes.
+        base: voxels along the longest axis before any is halved, or the `Lattice` of level 0.
+        levels: how many times voxels that triangles touch are halved.
+        window: voxels of the last level; beyond it voxels are halved ``outer_levels`` times only.
+        tolerance: a voxel whose triangles lie within this distance of one plane is not halved [world].
+        start_level: levels up to this one come from one grid; -1 chooses. Shows in time and memory only.
+
+    Returns:
+        An `Octree`.
+    """
+    options = options_of("refine_options")
+    options.levels = in_range("levels", levels, 0, 25)
+    options.start_level = in_range("start_level", start_level, -1, 25)
+    options.tolerance = float(tolerance)
+    set_window("window", options.window, window)
+    if outer_levels is not None:
+        if window is None:
+            raise ArgumentError("outer_levels is taken together with window")
+        options.outer_levels = in_range("outer_levels", outer_levels, 0, 25)
+    source = Mesh.of(mesh)
+    lattice = base if isinstance(base, Lattice) else Lattice.fit(source, resolution=base)
+    out = ffi.new("bvx_octree **")
+    with Run(threads, memory_limit, progress) as run:
+        run.check(lib.bvx_refine(run.context, source._view(run), lattice._c, options, out))
+    return Octree(ffi.gc(out[0], lib.bvxpy_free_octree))

@@ -1,0 +1,227 @@
+"""Calls into the library: a context for each, settings, progress, cancellation, errors.
+
+A context is made and dropped within one call of Python (about two microseconds), so any number of threads may call at
+once, and no call leaves anything behind but its result.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import contextvars
+import os
+from typing import Any, Callable, Iterator, NamedTuple, Union
+
+from . import _native
+from ._errors import BY_CODE, Error, RangeError, UnsupportedError, VersionError
+
+ffi, lib = _native.ffi, _native.lib
+
+Progress = Union[bool, Callable[[str, float], Any], None]
+
+
+class _Settings(NamedTuple):
+    threads: int = 0
+    memory_limit: int = 0
+    progress: Progress = None
+
+
+_settings: contextvars.ContextVar[_Settings] = contextvars.ContextVar("bitvox", default=_Settings())
+_forked = False
+
+
+def _after_fork() -> None:
+    global _forked
+    _forked = True
+
+
+if hasattr(os, "register_at_fork"):
+    # OpenMP's threads are not in a forked child, and asking for them there waits for ever.
+    os.register_at_fork(after_in_child=_after_fork)
+
+
+@contextlib.contextmanager
+def settings(*, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Iterator[None]:
+    """Options of all calls inside a ``with`` block, for this thread (or asynchronous task).
+
+    Args:
+        threads: workers; 0 takes all there are. A forked child always works with one.
+        memory_limit: most bytes that one call may hold, its result included; 0 is no limit.
+        progress: True for a bar (needs tqdm), or a callable ``progress(stage, fraction)``; when it returns False the
+            call ends with `Cancelled`, and what it raises comes out of the call.
+    """
+    old = _settings.get()
+    token = _settings.set(_Settings(
+        old.threads if threads is None else threads,
+        old.memory_limit if memory_limit is None else memory_limit,
+        old.progress if progress is None else progress,
+    ))
+    try:
+        yield
+    finally:
+        _settings.reset(token)
+
+
+@ffi.def_extern(error=1, onerror=lambda kind, value, trace: _stopped(value))
+def bvxpy_progress(user: Any, stage: Any, fraction: float) -> int:
+    run = ffi.from_handle(user)
+    if run.progress is None:
+        return 0
+    try:
+        return 1 if run.progress(ffi.string(stage).decode("utf-8", "replace"), fraction) is False else 0
+    except BaseException as error:
+        run.error = error
+        return 1
+
+
+def _stopped(error: BaseException) -> None:
+    """An exception before bvxpy_progress could take it: Ctrl-C. Given to every call of this thread; it is cancelled."""
+    for run in _running.get():
+        run.error = error
+
+
+_running: contextvars.ContextVar[tuple[Run, ...]] = contextvars.ContextVar("bitvox_running", default=())
+
+
+class _Bar:
+    """tqdm as a progress callable."""
+
+    def __init__(self) -> None:
+        from ._errors import need
+
+        self.bar = need("tqdm.auto", "view").tqdm(total=100.0, unit="%", leave=False, bar_format="{desc} {bar} {n:.0f}%")
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        self.bar.set_description_str(stage, refresh=False)
+        self.bar.n = 100.0 * fraction
+        self.bar.refresh()
+
+    def close(self) -> None:
+        self.bar.close()
+
+
+class Run:
+    """One call: ``with Run(...) as run: run.check(lib.bvx_...(run.context, ...))``."""
+
+    __slots__ = ("context", "progress", "error", "handle", "meshes", "kept", "token", "bar", "__weakref__")
+
+    def __init__(self, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
+        given = _settings.get()
+        options = ffi.new("bvx_context_options *")
+        lib.bvx_context_options_init(options, ffi.sizeof("bvx_context_options"))
+        wanted = given.threads if threads is None else threads
+        options.threads = 1 if _forked else in_range("threads", wanted, 0, 1024)
+        options.memory_limit = in_range("memory_limit", given.memory_limit if memory_limit is None else memory_limit, 0, 2**64 - 1)
+        self.handle = ffi.new_handle(self)
+        options.progress = lib.bvxpy_progress
+        options.progress_user = self.handle
+        progress = given.progress if progress is None else progress
+        self.bar = _Bar() if progress is True else None
+        self.progress = self.bar if progress is True else progress or None
+        if self.progress is not None and not callable(self.progress):
+            raise TypeError(f"progress must be True or a callable, not {type(progress).__name__}")
+        self.error: BaseException | None = None
+        self.meshes: list[Any] = []
+        self.kept: list[Any] = []
+        out = ffi.new("bvx_context **")
+        status = lib.bvx_context_create_version(lib.BVX_VERSION, options, out)
+        if status != lib.BVX_OK:
+            fault = lib.bvx_arithmetic_fault()
+            text = ffi.string(fault).decode() if fault != ffi.NULL else ffi.string(lib.bvx_status_text(status)).decode()
+            raise BY_CODE.get(status, Error)(f"no context: {text}")
+        self.context = ffi.gc(out[0], lib.bvx_context_destroy)
+
+    def __enter__(self) -> Run:
+        self.token = _running.set((*_running.get(), self))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        _running.reset(self.token)
+        if self.bar is not None:
+            self.bar.close()
+        self.context = self.handle = None
+
+    def keep(self, things: Any) -> None:
+        """Hold on to what a struct points at until the call is over."""
+        self.kept.append(things)
+
+    def message(self) -> str:
+        return ffi.string(lib.bvx_last_message(self.context)).decode("utf-8", "replace")
+
+    def check(self, status: int) -> None:
+        """Raise what a status other than 0 stands for."""
+        if status == 0:
+            if self.error is not None and not isinstance(self.error, Exception):
+                raise self.error  # an interrupt that came with the last word of a call
+            return
+        if status == lib.BVX_CANCELLED and self.error is not None:
+            raise self.error
+        if status == lib.BVX_ERR_RANGE:
+            for mesh in self.meshes:
+                mesh._refuse_negative_faces()
+        raise BY_CODE.get(status, Error)(self.message() or ffi.string(lib.bvx_status_text(status)).decode())
+
+
+def in_range(name: str, value: Any, low: int, high: int) -> int:
+    """A whole number between bounds; 3.0 and numpy's numbers pass, 3.5, True and text do not."""
+    if isinstance(value, bool):
+        raise TypeError(f"{name} must be a whole number, not {value!r}")
+    try:
+        number = value.__index__()
+    except AttributeError:
+        if not isinstance(value, float) or not value.is_integer():
+            raise TypeError(f"{name} must be a whole number, not {value!r}") from None
+        number = int(value)
+    if not low <= number <= high:
+        raise RangeError(f"{name} is {number}; it must be {low} to {high}")
+    return number
+
+
+def options_of(kind: str) -> Any:
+    """An option struct with its defaults, as ``bvx_<kind>_init`` sets them."""
+    initialize = getattr(lib, f"bvx_{kind}_init", None)
+    if initialize is None:
+        raise UnsupportedError(f"this build of the library has no {kind.replace('_options', '')}")
+    options = ffi.new(f"bvx_{kind} *")
+    initialize(options, ffi.sizeof(f"bvx_{kind}"))
+    return options
+
+
+def function(name: str) -> Any:
+    """A function of the library that an older build may lack."""
+    found = getattr(lib, name, None)
+    if found is None:
+        raise UnsupportedError(f"this build of the library has no {name}")
+    return found
+
+
+def choice(name: str, value: Any, prefix: str, names: dict[str, str] | tuple[str, ...]) -> int:
+    """The number behind a name: choice("fill", "parity", "BVX_FILL_", (...))."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be one of {', '.join(names)}, not {value!r}")
+    plain = value.lower().replace("_", "-")
+    if plain not in names:
+        from ._errors import ArgumentError
+
+        raise ArgumentError(f"{name} is {value!r}; it must be one of {', '.join(names)}")
+    number = getattr(lib, prefix + plain.upper().replace("-", "_"), None)
+    if number is None:
+        raise UnsupportedError(f"{name}={value!r}: this build of the library has no such rule")
+    return number
+
+
+def name_of(value: int, prefix: str, names: tuple[str, ...]) -> str:
+    """The other way round."""
+    for name in names:
+        if getattr(lib, prefix + name.upper().replace("-", "_"), None) == value:
+            return name
+    return str(value)
+
+
+def version() -> str:
+    """The library's version, ``"0.1.0"``."""
+    number = lib.bvx_version()
+    return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
+
+
+if lib.bvx_version() != lib.BVX_VERSION:
+    raise VersionError("the extension's header and code are of different versions")

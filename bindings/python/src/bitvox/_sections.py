@@ -1,0 +1,265 @@
+"""Stacks of section contours."""
+
+from __future__ import annotations
+
+from typing import Any, Iterable, NamedTuple, Sequence
+
+from . import _arrays as arrays
+from ._errors import ArgumentError
+from ._mesh import Mesh, new_mesh, position_type
+from ._records import record
+from ._run import Progress, Run, choice, ffi, function, in_range, options_of
+
+CAPS = ("flat", "taper", "open")
+CROSSINGS = ("exact", "paper", "classic")
+SECTION_FORMATS = ("csl", "csv")
+SECTION_OUTPUTS = ("csl", "csv", "svg")
+
+
+class Loop(NamedTuple):
+    """One closed contour: points (n, 3) [world], the last one joined to the first, and the body that it belongs to."""
+
+    points: Any
+    label: str = ""
+
+
+class Sections:
+    """Closed contours on parallel planes: what .csl and .csv, DICOM RTSTRUCT and DXF files hold, and `slice_mesh` makes.
+
+    Loops inside loops are holes, in these islands, and so on; in any order and direction.
+
+    Args:
+        loops: `Loop` tuples or arrays (n, 3) [world]; each lies in one plane across ``normal``.
+        normal: of all planes.
+        tolerance: how far a point may lie off its loop's plane, and how far apart planes may lie that count as one [world].
+
+    Raises:
+        ArgumentError: a loop of fewer than three points, or one that does not lie in a plane across the normal.
+    """
+
+    __slots__ = ("loops", "normal", "positions", "section_of")
+
+    def __init__(self, loops: Iterable[Any], normal: Sequence[float] = (0.0, 0.0, 1.0), *, tolerance: float = 1e-6) -> None:
+        np = arrays.numpy("Sections")
+        direction = np.array(arrays.triple("normal", normal))
+        length = float(np.sqrt(direction @ direction))
+        if not length > 0.0 or not np.isfinite(length):
+            raise ArgumentError("normal has no direction")
+        self.normal: tuple[float, float, float] = tuple((direction / length).tolist())
+        self.loops: list[Loop] = []
+        heights = []
+        for i, loop in enumerate(loops):
+            found = loop if isinstance(loop, Loop) else Loop(loop)
+            points = arrays.exact_floats(arrays.as_numpy(found.points, f"loop {i}"), f"loop {i}").astype(np.float64)
+            if points.ndim != 2 or points.shape[1] != 3 or len(points) < 3:
+                raise ArgumentError(f"loop {i} has shape {points.shape}; it must be (n, 3), n at least 3")
+            if not np.isfinite(points).all():
+                raise ArgumentError(f"loop {i} holds a coordinate that is not finite")
+            along = points @ direction / length
+            if along.max() - along.min() > 2 * tolerance + 1e-12 * np.abs(along).max():
+                raise ArgumentError(f"loop {i} does not lie in a plane across the normal: it reaches from {along.min()} to {along.max()}")
+            heights.append(float(along.mean()))
+            self.loops.append(Loop(points, found.label))
+        self.positions, self.section_of = _planes(heights, tolerance)
+
+    @property
+    def labels(self) -> list[str]:
+        """The bodies, in order of their first loops."""
+        return list(dict.fromkeys(loop.label for loop in self.loops))
+
+    def of(self, label: str) -> Sections:
+        """The loops of one body."""
+        made = Sections.__new__(Sections)
+        chosen = [i for i, loop in enumerate(self.loops) if loop.label == label]
+        if not chosen:
+            raise ArgumentError(f"no loop has the label {label!r}; there are: {', '.join(map(repr, self.labels))}")
+        made.loops, made.normal, made.positions = [self.loops[i] for i in chosen], self.normal, self.positions
+        made.section_of = [self.section_of[i] for i in chosen]
+        return made
+
+    def on(self, section: int) -> list[Loop]:
+        """The loops on one plane, by its number in ``positions``."""
+        return [loop for loop, at in zip(self.loops, self.section_of) if at == section]
+
+    def _numbers(self) -> dict[str, int]:
+        """The library's number of each label: its own when all are numbers, else 1, 2, 3 ..."""
+        labels = self.labels
+        try:
+            numbers = {label: int(label) if label else 0 for label in labels}
+        except ValueError:
+            return {label: i + 1 for i, label in enumerate(labels)}
+        fits = all(-(2**31) < n < 2**31 for n in numbers.values()) and len(set(numbers.values())) == len(labels)
+        return numbers if fits else {label: i + 1 for i, label in enumerate(labels)}
+
+    def _struct(self, run: Run) -> Any:
+        """A bvx_sections over packed arrays; run keeps them."""
+        np = arrays.numpy("Sections")
+        function("bvx_build_sections")
+        made = ffi.new("bvx_sections *")
+        points = np.ascontiguousarray(np.concatenate([loop.points for loop in self.loops]) if self.loops else np.zeros((0, 3)))
+        loops, numbers, first = ffi.new("bvx_section_loop[]", max(1, len(self.loops))), self._numbers(), 0
+        for i, loop in enumerate(self.loops):
+            loops[i].first_point, loops[i].point_count = first, len(loop.points)
+            loops[i].section, loops[i].label = self.section_of[i], numbers[loop.label]
+            first += len(loop.points)
+        positions = ffi.new("double[]", self.positions or [0.0])
+        made.points, made.loops, made.positions = ffi.cast("double *", arrays.address(points)), loops, positions
+        made.point_count = made.point_capacity = len(points)
+        made.loop_count = made.loop_capacity = len(self.loops)
+        made.section_count = made.section_capacity = len(self.positions)
+        made.normal = self.normal
+        run.keep((points, loops, positions))
+        return made
+
+    @classmethod
+    def _made(cls, owner: Any) -> Sections:
+        """Sections over the arrays of a bvx_sections that the library made."""
+        self = cls.__new__(cls)
+        points = arrays.array_at(owner.points, "float64", (owner.point_count, 3), owner)
+        found = [owner.loops[i] for i in range(owner.loop_count)]
+        self.loops = [Loop(points[f.first_point : f.first_point + f.point_count], str(f.label)) for f in found]
+        self.section_of = [f.section for f in found]
+        self.positions = [owner.positions[i] for i in range(owner.section_count)]
+        x, y, z = owner.normal
+        length = (x * x + y * y + z * z) ** 0.5
+        self.normal = (x / length, y / length, z / length)
+        return self
+
+    def surface(self, **options: Any) -> Mesh:
+        """The closed surface through all contours; see `from_sections`."""
+        return from_sections(self, **options)
+
+    def save(self, path: Any, format: str | None = None) -> None:
+        """Write .csl, .csv (planes z = position) or .svg (a drawing)."""
+        from ._files import write
+
+        write(self, path, format=format)
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __repr__(self) -> str:
+        return f"Sections({len(self.positions)} planes, {len(self.loops)} loops, {len(self.labels)} bodies)"
+
+
+def _planes(heights: list[float], tolerance: float) -> tuple[list[float], list[int]]:
+    """Positions of the different planes, ascending, and the number of each loop's plane."""
+    order = sorted(range(len(heights)), key=lambda i: heights[i])
+    positions: list[float] = []
+    section = [0] * len(heights)
+    for i in order:
+        if not positions or heights[i] - positions[-1] > 2 * tolerance:
+            positions.append(heights[i])
+        section[i] = len(positions) - 1
+    return positions, section
+
+
+def new_sections() -> Any:
+    """An empty bvx_sections that is freed with the last array over it."""
+    free = function("bvxpy_free_sections")
+    return ffi.gc(ffi.new("bvx_sections *"), free)
+
+
+def from_sections(
+    sections: Any,
+    *,
+    grid: Sequence[int] | None = None,
+    spacing: float | None = None,
+    layers: int = 1,
+    caps: str = "flat",
+    crossings: str = "exact",
+    depth: int | None = None,
+    label: str | None = None,
+    dtype: Any = "float64",
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Mesh:
+    """The closed surface of a body through all of its section contours.
+
+    Args:
+        sections: `Sections`, or loops (n, 3) on planes across z.
+        grid: cells along the planes' two axes, or ``spacing``: the side of a square cell [world]. Default: twice the mean length
+            of the contours' segments.
+        layers: cells from section to section.
+        caps: how the body ends: "flat", "taper" or "open".
+        crossings: "exact" (all of the contour is in the mesh), "paper" or "classic".
+        depth: a cell is halved at most this often where a contour needs it.
+        label: which body, when there are several.
+        dtype: float64 keeps the contours' points; float32.
+
+    Returns:
+        A `Mesh`; ``mesh.report`` has the fields of ``bvx_sections_report``.
+
+    Raises:
+        FormatError: loops that cross or touch, points off their plane: section, loop and point are named.
+    """
+    build = function("bvx_build_sections")
+    given = sections if isinstance(sections, Sections) else Sections(sections)
+    options = options_of("sections_options")
+    if grid is not None:
+        if spacing is not None:
+            raise ArgumentError("grid and spacing contradict each other; give one of them")
+        if len(grid) != 2:
+            raise ArgumentError("grid must be two numbers of cells")
+        options.grid = [in_range("grid", n, 2, 8192) for n in grid]
+    if spacing is not None:
+        options.spacing = float(spacing)
+    options.layers = in_range("layers", layers, 1, 64)
+    options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
+    options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
+    if depth is not None:
+        options.depth = in_range("depth", depth, 0, 8)
+    if label is not None:
+        numbers = given._numbers()
+        if label not in numbers:
+            raise ArgumentError(f"no loop has the label {label!r}; there are: {', '.join(map(repr, given.labels))}")
+        options.label = numbers[label]
+    options.position_type = position_type(dtype)
+    report = ffi.new("bvx_sections_report *")
+    options.report = report
+    made = new_mesh()
+    with Run(threads, memory_limit, progress) as run:
+        run.check(build(run.context, given._struct(run), options, made))
+    mesh = Mesh._made(made)
+    mesh.report = record(report)
+    return mesh
+
+
+def slice_mesh(mesh: Any, *, normal: Sequence[float] = (0.0, 0.0, 1.0), spacing: float | None = None,
+               positions: Sequence[float] | None = None, label: int = 1, threads: int | None = None,
+               memory_limit: int | None = None, progress: Progress = None) -> Sections:
+    """The contours of a closed mesh on parallel planes.
+
+    Args:
+        mesh: what `Mesh.of` takes.
+        normal: of the planes. spacing: from plane to plane, the first half of it above the lowest point [world].
+        positions: the planes in place of a spacing, ascending: point . normal / |normal| [world].
+        label: a number that all loops get.
+    """
+    cut = function("bvx_slice_mesh")
+    options = options_of("slice_options")
+    if (spacing is None) == (positions is None):
+        raise ArgumentError("give spacing or positions")
+    options.normal = arrays.triple("normal", normal)
+    if spacing is not None:
+        options.spacing = float(spacing)
+    held = None
+    if positions is not None:
+        held = ffi.new("double[]", [float(x) for x in positions] or [0.0])
+        options.positions, options.position_count = held, len(positions)
+    options.label = in_range("label", label, -(2**31) + 1, 2**31 - 1)
+    made = new_sections()
+    with Run(threads, memory_limit, progress) as run:
+        run.check(cut(run.context, Mesh.of(mesh)._view(run), options, made))
+    del held
+    return Sections._made(made)
+
+
+def read_sections(data: Any, number: int, close_gap: float | None, run: Run) -> Sections:
+    """Sections from the bytes of a .csl or .csv file."""
+    made = new_sections()
+    options = options_of("read_sections_options")
+    options.close_gap = 0.0 if close_gap is None else float(close_gap)
+    run.check(function("bvx_read_sections")(run.context, data, len(data), number, options, made))
+    return Sections._made(made)

@@ -1,0 +1,644 @@
+"""The stages as functions: voxelize, surface, faces, lod, repair, and what goes with them."""
+
+from __future__ import annotations
+
+from typing import Any, Iterable, NamedTuple, Sequence
+
+from . import _arrays as arrays
+from ._errors import ArgumentError
+from ._field import EDGES, SIGNS
+from ._grid import Attached, Grid, new_grid
+from ._lattice import Lattice, WindowLike, set_window
+from ._mesh import Mesh, new_mesh, position_type
+from ._octree import with_positions
+from ._records import record
+from ._run import Progress, Run, choice, ffi, function, in_range, lib, options_of
+
+FILLS = ("parity", "nonzero", "vote", "flood", "regions", "below", "winding")
+MODES = ("solid", "conservative", "thin", "sampled")
+SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
+
+
+def place(source: Mesh, resolution: Any, spacing: Any, padding: int, lattice: Lattice | None, corner: Any = None) -> Lattice:
+    """The lattice that was given, or one fitted to the mesh."""
+    if lattice is None:
+        return Lattice.fit(source, resolution=resolution, spacing=spacing, padding=padding, corner=corner)
+    given = {"resolution": resolution, "spacing": spacing, "padding": padding or None, "corner": corner}
+    for name, value in given.items():
+        if value is not None:
+            raise ArgumentError(f"{name} and lattice contradict each other; give one of them")
+    return lattice
+
+
+def voxelize(
+    mesh: Any,
+    *,
+    resolution: Any = None,
+    spacing: Any = None,
+    corner: Sequence[float] | None = None,
+    padding: int = 0,
+    lattice: Lattice | None = None,
+    window: WindowLike = None,
+    mode: str = "solid",
+    fill: str | None = None,
+    close_gaps: int | None = None,
+    add_shell: bool = False,
+    check_edges: bool = False,
+    base: float | None = None,
+    second: Any = None,
+    up: str | None = None,
+    attached: bool = False,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Grid:
+    """The voxels of a mesh: what lies inside it, or what its surface touches.
+
+    Args:
+        mesh: what `Mesh.of` takes: (vertices, faces), a mesh of trimesh, PyVista, Open3D or meshio, a file's name.
+        resolution: voxels along the longest axis, or three numbers, one for each axis. Default 256.
+        spacing: edges of a voxel, one number or three, in place of a resolution [world].
+        corner: low corner of voxel (0, 0, 0), with ``spacing`` (the program's ``--origin``) [world].
+        padding: empty voxels added on every side.
+        lattice: a `Lattice` to work on, in place of all these.
+        window: only this box of the lattice: (low, size) or (x0, y0, z0, x1, y1, z1).
+        mode: "solid": voxels whose centres lie inside. "conservative": all voxels that the surface touches. "thin": those that
+            keep a flood through faces out. "sampled": those of points less than a voxel apart.
+        fill: what is inside: "parity" (nested shells are cavities, the default), "nonzero" (overlapping and inverted shells are
+            one solid), "vote" (majority of three axes: meshes with holes), "flood" (what a flood from outside cannot reach),
+            "regions" (what the surface parts, as a whole), "below" (all under a terrain), "winding".
+        close_gaps: with fill "flood": gaps of up to so many voxels hold the flood.
+        add_shell: set all voxels that the surface touches too.
+        check_edges: count open and flipped edges in the report.
+        base, up, second: with fill "below": the height that columns stand on [world], the axis that is up ("x", "y" or "z"), a
+            second terrain: what lies between the two.
+        attached: surface modes: keep the triangles that touch each voxel in ``grid.attached``.
+
+    Returns:
+        A `Grid`; ``grid.report`` has the counts of the C header's ``bvx_solid_report`` or ``bvx_surface_report``.
+
+    Raises:
+        ArgumentError: options that contradict each other, or that the mode or the rule does not take.
+        EmptyError: no triangles. RangeError: coordinates or vertex numbers, the first one named. MemoryLimitError.
+    """
+    source = Mesh.of(mesh)
+    where = place(source, resolution, spacing, padding, lattice, corner)
+    made = new_grid()
+    if choice_of_mode(mode) != "solid":
+        for name, value in {"fill": fill, "close_gaps": close_gaps, "add_shell": add_shell or None, "base": base,
+                            "check_edges": check_edges or None, "second": second, "up": up}.items():
+            if value is not None:
+                raise ArgumentError(f"{name} is for mode 'solid', not for {mode!r}")
+        return _surface_voxels(source, where, window, choice_of_mode(mode), attached, made, threads, memory_limit, progress)
+    if attached:
+        raise ArgumentError("attached is for the modes of surfaces: conservative, thin, sampled")
+    options = options_of("voxelize_options")
+    options.fill = choice("fill", "parity" if fill is None else fill, "BVX_FILL_", FILLS)
+    set_window("window", options.window, window)
+    if options.fill != lib.BVX_FILL_BELOW:
+        for name, value in {"base": base, "second": second, "up": up}.items():
+            if value is not None:
+                raise ArgumentError(f"{name} is for fill 'below'")
+    if close_gaps is not None:
+        if options.fill != lib.BVX_FILL_FLOOD:
+            raise ArgumentError("close_gaps is for fill 'flood'")
+        options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
+    options.add_shell, options.check_edges = int(bool(add_shell)), int(bool(check_edges))
+    if base is not None:
+        options.base = float(base)
+    if up is not None:
+        if up not in ("x", "y", "z"):
+            raise ArgumentError(f"up is {up!r}; it must be x, y or z")
+        options.axis = "xyz".index(up)
+    report = ffi.new("bvx_solid_report *")
+    options.report = report
+    with Run(threads, memory_limit, progress) as run:
+        if second is not None:
+            other = Mesh.of(second)._view(run)
+            options.second = other
+        run.check(lib.bvx_voxelize_solid(run.context, source._view(run), where._c, options, made))
+    return Grid._made(made, record(report))
+
+
+def choice_of_mode(mode: str) -> str:
+    """The mode's plain name, or an error."""
+    plain = mode.lower() if isinstance(mode, str) else mode
+    if plain not in MODES:
+        raise ArgumentError(f"mode is {mode!r}; it must be one of {', '.join(MODES)}")
+    return plain
+
+
+def _surface_voxels(source: Mesh, where: Lattice, window: WindowLike, mode: str, attached: bool, made: Any, threads: Any,
+                    memory_limit: Any, progress: Progress) -> Grid:
+    options = options_of("surface_options")
+    options.mode = choice("mode", mode, "BVX_SURFACE_", MODES)
+    set_window("window", options.window, window)
+    report = ffi.new("bvx_surface_report *")
+    options.report = report
+    pairs = ffi.gc(ffi.new("bvx_attached *"), lib.bvxpy_free_attached) if attached else ffi.NULL
+    options.attached = pairs
+    with Run(threads, memory_limit, progress) as run:
+        run.check(lib.bvx_voxelize_surface(run.context, source._view(run), where._c, options, made))
+    grid = Grid._made(made, record(report))
+    if attached:
+        grid.attached = Attached(arrays.array_at(pairs.offsets, "uint64", (pairs.voxel_count + 1,), pairs),
+                                 arrays.array_at(pairs.triangles, "uint32", (pairs.triangle_count,), pairs))
+    return grid
+
+
+class FillComparison(NamedTuple):
+    """What `compare_fills` found: the counts, and grids of the voxels where rules disagree and where thin walls were lost."""
+
+    counts: Any
+    disagreeing: Grid
+    lost: Grid
+
+
+def compare_fills(mesh: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, lattice: Lattice | None = None,
+                  close_gaps: int = 0, threads: int | None = None, memory_limit: int | None = None,
+                  progress: Progress = None) -> FillComparison:
+    """Fill a mesh by the rules parity, nonzero, vote, flood and regions, and say where they differ.
+
+    Args:
+        mesh, resolution, spacing, padding, lattice, close_gaps: as for `voxelize`.
+
+    Returns:
+        ``counts`` (fields of ``bvx_fill_comparison``; ``counts.set`` by rule), ``disagreeing`` and ``lost`` as grids.
+    """
+    source = Mesh.of(mesh)
+    where = place(source, resolution, spacing, padding, lattice)
+    options = options_of("compare_fills_options")
+    options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
+    disagreeing, lost, out = new_grid(), new_grid(), ffi.new("bvx_fill_comparison *")
+    options.disagreeing, options.lost = disagreeing, lost
+    with Run(threads, memory_limit, progress) as run:
+        run.check(lib.bvx_compare_fills(run.context, source._view(run), where._c, options, out))
+    return FillComparison(record(out), Grid._made(disagreeing), Grid._made(lost))
+
+
+def find_seed(surface: Grid, mesh: Any = None, *, limit: int = 0, threads: int | None = None, memory_limit: int | None = None,
+              progress: Progress = None) -> Any:
+    """One voxel inside a surface, found by scanning lines of voxels.
+
+    Args:
+        surface: voxels of a surface, as `voxelize` with a surface mode makes them.
+        mesh: the mesh that it came from; the seed is then verified to lie inside it.
+        limit: most lines to scan; 0: all that there are.
+
+    Returns:
+        A named tuple with the fields of ``bvx_seed``; ``found`` False is no error.
+    """
+    out = ffi.new("bvx_seed *")
+    with Run(threads, memory_limit, progress) as run:
+        view = ffi.NULL if mesh is None else Mesh.of(mesh)._view(run)
+        run.check(lib.bvx_find_seed(run.context, surface._c, view, in_range("limit", limit, 0, 2**64 - 1), out))
+    return record(out)
+
+
+def find_pockets(surface: Grid, mesh: Any = None, *, threads: int | None = None, memory_limit: int | None = None,
+                 progress: Progress = None) -> Any:
+    """One voxel (n, 3) int32 of each pocket inside a surface, for `Grid.fill`.
+
+    Args:
+        surface: voxels of a surface.
+        mesh: the mesh that it came from: a pocket counts when it is inside; without it, when it does not touch the window's sides.
+    """
+    count = ffi.new("uint64_t *")
+    with Run(threads, memory_limit, progress) as run:
+        view = ffi.NULL if mesh is None else Mesh.of(mesh)._view(run)
+        status = lib.bvx_find_pockets(run.context, surface._c, view, ffi.NULL, 0, count)
+        run.check(status)
+        seeds = ffi.new("int32_t[]", max(1, 3 * count[0]))
+        if count[0]:
+            run.check(lib.bvx_find_pockets(run.context, surface._c, view, seeds, count[0], count))
+    return arrays.array_at(seeds, "int32", (count[0], 3), seeds, writable=True)
+
+
+def surface(
+    grid: Grid,
+    *,
+    face_rule: str = "separate",
+    dtype: Any = None,
+    open_sides: str | Iterable[str] = (),
+    keys: bool = False,
+    local_frame: bool = False,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Mesh:
+    """The closed, manifold surface between set and empty voxel centres, by marching cubes.
+
+    Args:
+        grid: a `Grid`, or a three-dimensional array [x, y, z] for `Grid.from_numpy`.
+        face_rule: "separate" (set corners are kept apart across a face) or "join".
+        dtype: of the vertices, float32 or float64; None: float32 where it can tell neighbouring positions apart.
+        open_sides: sides of the window that are left open for `merge`: "x-low", "x-high", "y-low" ...
+        keys: keep canonical keys, which `merge` needs.
+        local_frame: vertices relative to the lattice's corner, which goes to ``mesh.frame``.
+
+    Returns:
+        A `Mesh` with uint32 faces; an empty grid gives an empty mesh.
+    """
+    options = options_of("extract_options")
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
+    for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
+        options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
+    found = _grid_of(grid)
+    return with_positions(options, dtype, lambda run, made: lib.bvx_extract_surface(run.context, found._c, options, made),
+                          threads=threads, memory_limit=memory_limit, progress=progress)
+
+
+def surface_counts(grid: Grid, *, face_rule: str = "separate") -> tuple[int, int]:
+    """Vertices and triangles that `surface` would make, without making them."""
+    return _counts(lib.bvx_extract_count, grid, "extract_options", lambda o: setattr(
+        o, "face_rule", choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))))
+
+
+def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bool = False, threads: int | None = None,
+          memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+    """The voxels themselves as a mesh: each face between a set and an empty voxel, outwards, as two triangles.
+
+    Args:
+        grid: a `Grid` or a three-dimensional array.
+        merge: faces of one plane and side become few rectangles (which may meet in T-junctions).
+        dtype, local_frame: as for `surface`.
+    """
+    options = options_of("faces_options")
+    options.merged, options.local_frame = int(bool(merge)), int(bool(local_frame))
+    found = _grid_of(grid)
+    return with_positions(options, dtype, lambda run, made: lib.bvx_extract_faces(run.context, found._c, options, made),
+                          threads=threads, memory_limit=memory_limit, progress=progress)
+
+
+def faces_counts(grid: Grid, *, merge: bool = False) -> tuple[int, int]:
+    """Vertices and triangles that `faces` would make."""
+    return _counts(lib.bvx_faces_count, grid, "faces_options", lambda o: setattr(o, "merged", int(bool(merge))))
+
+
+def _counts(count: Any, grid: Any, kind: str, prepare: Any) -> tuple[int, int]:
+    options, vertices, triangles = options_of(kind), ffi.new("uint64_t *"), ffi.new("uint64_t *")
+    prepare(options)
+    with Run() as run:
+        run.check(count(run.context, _grid_of(grid)._c, options, vertices, triangles))
+    return vertices[0], triangles[0]
+
+
+def _grid_of(source: Any) -> Grid:
+    if isinstance(source, Grid):
+        return source
+    if getattr(source, "ndim", 0) == 3:
+        return Grid.from_numpy(source)
+    raise TypeError(f"{type(source).__name__} is no grid: give a Grid or a three-dimensional array")
+
+
+def merge(parts: Sequence[Mesh], *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+    """Join the surfaces of windows of one lattice into one: the bytes of the whole extracted at once.
+
+    Args:
+        parts: meshes that `surface` made with ``keys=True`` and open sides, of windows that overlap by one layer of voxels.
+    """
+    parts = list(parts)
+    made = new_mesh()
+    with Run(threads, memory_limit, progress) as run:
+        array = ffi.new("bvx_mesh[]", max(1, len(parts)))
+        for i, part in enumerate(parts):
+            if part.keys is None:
+                raise ArgumentError(f"part {i} has no keys: make it with surface(..., keys=True)")
+            array[i] = part._struct(run)[0]
+        run.check(lib.bvx_mesh_merge(run.context, array, len(parts), made))
+    return Mesh._made(made)
+
+
+def lod(
+    source: Any,
+    *,
+    resolution: Any = None,
+    levels: int | Sequence[Any] | None = None,
+    triangles: int | Sequence[int] | None = None,
+    method: str = "edge-ratio",
+    threshold: float = 0.5,
+    edge_samples: int | None = None,
+    collapse: float | None = None,
+    fill: str | None = None,
+    close_gaps: int | None = None,
+    padding: int | None = None,
+    face_rule: str = "separate",
+    dtype: Any = None,
+    local_frame: bool = False,
+    carry: bool = False,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> list[Mesh]:
+    """Closed meshes of several sizes from a mesh or a grid: levels of detail.
+
+    Args:
+        source: a `Grid` (or a three-dimensional array), or what `Mesh.of` takes; a mesh is voxelized first.
+        resolution: of that voxelization. Default: 8 times the finest level, less where its bits would take more than 1 GiB.
+        levels: samples along the longest axis of each level, or triples along x, y, z. Default (64, 32, 16).
+        triangles: most triangles of each level, in place of ``levels``.
+        method: "edge-ratio" or "coverage".
+        threshold: a sample above it is inside, between 0 and 1.
+        edge_samples: steps along an edge, with method "edge-ratio". Default: the ratio, rounded up.
+        collapse: with ``triangles``: make up to so many times as many, then collapse the cheapest edges; 2 to 4 comes nearer.
+        fill, close_gaps, padding: as for `voxelize`, when the source is a mesh.
+        face_rule, dtype, local_frame: as for `surface`.
+        carry: give each level the colours and texture coordinates of the nearest points on the mesh.
+
+    Returns:
+        One `Mesh` a level, each with ``report``: the fields of ``bvx_lod_report``.
+    """
+    if levels is not None and triangles is not None:
+        raise ArgumentError("levels and triangles contradict each other; give one of them")
+    if collapse is not None and triangles is None:
+        raise ArgumentError("collapse is taken together with triangles")
+    if edge_samples is not None and method.replace("_", "-") != "edge-ratio":
+        raise ArgumentError("edge_samples is for method 'edge-ratio'")
+    options = options_of("lod_options")
+    options.method = choice("method", method, "BVX_LOD_", ("edge-ratio", "coverage"))
+    options.threshold = float(threshold)
+    options.edge_samples = 0 if edge_samples is None else in_range("edge_samples", edge_samples, 1, 65536)
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.local_frame = int(bool(local_frame))
+    options.collapse = 0.0 if collapse is None else float(collapse)
+    count, finest, kept = _set_levels(options, levels, triangles)
+    if getattr(source, "ndim", 0) == 3 and tuple(source.shape[1:]) == (3, 3):
+        raise ArgumentError(f"an array of shape {tuple(source.shape)} may be triangles or voxels: give Mesh(array) or Grid.from_numpy(array)")
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+    mesh: Mesh | None = None
+    if isinstance(source, Grid) or (getattr(source, "ndim", 0) == 3 and not hasattr(source, "faces")):
+        for name, value in {"resolution": resolution, "fill": fill, "close_gaps": close_gaps, "padding": padding, "carry": carry or None}.items():
+            if value is not None:
+                raise ArgumentError(f"{name} is for a source that is a mesh")
+        solid = _grid_of(source)
+    else:
+        mesh = Mesh.of(source)
+        options.source_triangles = mesh.n_faces
+        if resolution is None:
+            resolution = _resolution_of(mesh, finest or _finest_for(mesh, triangles, collapse))
+        solid = voxelize(mesh, resolution=resolution, fill=fill, close_gaps=close_gaps, padding=padding or 0, **limits)
+    reports = ffi.new("bvx_lod_report[]", count)
+    options.reports = reports
+    made = _build_levels(solid, options, count, dtype, limits)
+    result = []
+    for i, one in enumerate(made):
+        if carry and mesh is not None:
+            carried(mesh, one, limits)
+        level = Mesh._made(one)
+        level.report = record(reports[i])
+        result.append(level)
+    del kept
+    return result
+
+
+def _finest_for(mesh: Mesh, triangles: Any, collapse: float | None) -> int:
+    """Samples of the finest level: marching cubes makes about three triangles for each square as large as a sample."""
+    found = mesh.check()
+    if not found.area > 0.0:
+        return 1
+    most = max(triangles) if _many(triangles) else triangles
+    longest = max(b - a for a, b in zip(found.low, found.high))
+    return max(1, int((float(most) * (collapse or 1.0) / 3.0 * longest * longest / found.area) ** 0.5 + 0.5))
+
+
+def _resolution_of(mesh: Mesh, finest: int) -> int:
+    """Eight times the finest level, or as much as 1 GiB of bits allows."""
+    wanted = min(8 * finest, 2**20)
+    low, high = mesh.bounds
+    sides = [b - a for a, b in zip(low, high)]
+    longest = max(sides) or 1.0
+    while wanted > finest:
+        x, y, z = (s / longest * wanted + 1 for s in sides)
+        if (x / 64 + 1) * 8 * y * z <= 2**30:
+            break
+        wanted = max(finest, wanted * 7 // 8)
+    return wanted
+
+
+def _set_levels(options: Any, levels: Any, triangles: Any) -> tuple[int, int, Any]:
+    """Which levels are wanted: their count, samples of the finest, and the array that options point at."""
+    if triangles is not None:
+        wanted = [in_range("triangles", n, 1, 2**64 - 1) for n in ([triangles] if not _many(triangles) else triangles)]
+        array = ffi.new("uint64_t[]", wanted or [0])
+        options.target_triangles = array
+        return _some(wanted, "triangles"), 0, array
+    given = (64, 32, 16) if levels is None else levels if _many(levels) else [levels]
+    given = list(given)
+    _some(given, "levels")
+    if any(_many(level) for level in given):
+        flat = [n for level in given for n in arrays.triple("levels", level, int)]
+        array = ffi.new("int32_t[]", flat)
+        options.axis_resolutions = array
+        return len(given), max(flat), array
+    wanted = [in_range("levels", n, 1, 2**25) for n in given]
+    array = ffi.new("int32_t[]", wanted)
+    options.resolutions = array
+    return len(wanted), max(wanted), array
+
+
+def _many(value: Any) -> bool:
+    return hasattr(value, "__len__") or hasattr(value, "__iter__")
+
+
+def _some(values: list[Any], name: str) -> int:
+    if not values:
+        raise ArgumentError(f"{name} names none")
+    return len(values)
+
+
+def _build_levels(solid: Grid, options: Any, count: int, dtype: Any, limits: dict[str, Any]) -> list[Any]:
+    """The levels as bvx_meshes of their own."""
+    options.position_type = lib.BVX_F32 if dtype is None else position_type(dtype)
+    with Run(**limits) as run:
+        array = ffi.new("bvx_mesh[]", count)
+        status = lib.bvx_build_lods(run.context, solid._c, options, count, array)
+        if dtype is None and status == lib.BVX_ERR_RANGE and "take f64" in run.message():
+            options.position_type = lib.BVX_F64
+            status = lib.bvx_build_lods(run.context, solid._c, options, count, array)
+        run.check(status)
+    made = []
+    for i in range(count):
+        one = new_mesh()
+        one[0] = array[i]
+        made.append(one)
+    return made
+
+
+def carried(source: Mesh, target: Any, limits: dict[str, Any]) -> None:
+    """Give a bvx_mesh that the library made the colours and texture coordinates of the nearest points of a mesh."""
+    with Run(**limits) as run:
+        run.check(lib.bvx_mesh_carry(run.context, source._struct(run), target))
+
+
+def carry(source: Any, target: Mesh, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+    """The target with the colours and texture coordinates of the source's nearest points.
+
+    Args:
+        source: a mesh with ``colours`` or ``uvs``. target: a mesh in the same frame; it stays as it is.
+    """
+    after = Mesh.of(target)
+    owner = new_mesh()
+    with Run(threads, memory_limit, progress) as run:
+        borrowed = after._struct(run)
+        borrowed.colours = borrowed.uvs = borrowed.uv_triangles = ffi.NULL
+        borrowed.uv_count, borrowed.owned = 0, 1  # what it gets is its own; what it has stays ours
+        run.check(lib.bvx_mesh_carry(run.context, Mesh.of(source)._struct(run), borrowed))
+    for name in ("colours", "uvs", "uv_triangles", "uv_count", "vertex_count", "triangle_count", "vertex_capacity",
+                 "triangle_capacity", "owned"):
+        setattr(owner, name, getattr(borrowed, name))
+    made = after.astype()
+    if owner.colours != ffi.NULL:
+        made._colours = arrays.array_at(owner.colours, "uint8", (after.n_vertices, 4), owner, writable=True)
+    if owner.uvs != ffi.NULL:
+        made._uvs = arrays.array_at(owner.uvs, "float32", (after.n_vertices, 2), owner, writable=True)
+        made._uv_faces = None
+    return made
+
+
+def check(mesh: Any, *, weld: bool = False) -> Any:
+    """What a mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
+
+    Args:
+        mesh: what `Mesh.of` takes.
+        weld: take vertices at equal positions for one.
+
+    Returns:
+        A named tuple with the fields of ``bvx_certificate`` in the C header.
+    """
+    return Mesh.of(mesh).check(weld=weld)
+
+
+def compare(a: Any, b: Any, *, samples: int = 20000, seed: int = 1, threads: int | None = None, memory_limit: int | None = None,
+            progress: Progress = None) -> Any:
+    """Two grids: what they share and where they differ. Two meshes: distances both ways, from random points.
+
+    Args:
+        a, b: two `Grid` of one lattice and window, or two meshes (what `Mesh.of` takes).
+        samples: points on each mesh. seed: another seed, other points.
+
+    Returns:
+        A named tuple with the fields of ``bvx_grid_difference`` or of ``bvx_distance_report``.
+    """
+    if isinstance(a, Grid) and isinstance(b, Grid):
+        return a.compare(b)
+    if isinstance(a, Grid) or isinstance(b, Grid):
+        raise TypeError("a grid is compared with a grid, a mesh with a mesh")
+    first, second = Mesh.of(a), Mesh.of(b)
+    if first.frame != second.frame:
+        first, second = Mesh(first.in_world(), first.faces), Mesh(second.in_world(), second.faces)
+    out = ffi.new("bvx_distance_report *")
+    with Run(threads, memory_limit, progress) as run:
+        run.check(lib.bvx_mesh_distance(run.context, first._view(run), second._view(run),
+                                        in_range("samples", samples, 1, 2**31 - 1), in_range("seed", seed, 0, 2**64 - 1), out))
+    return record(out)
+
+
+class Closest:
+    """A mesh made ready for questions about its nearest points; keeps a copy of what it needs.
+
+    Args:
+        mesh: what `Mesh.of` takes.
+    """
+
+    __slots__ = ("_c",)
+
+    def __init__(self, mesh: Any, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
+        out = ffi.new("bvx_closest **")
+        with Run(threads, memory_limit, progress) as run:
+            run.check(lib.bvx_closest_create(run.context, Mesh.of(mesh)._view(run), out))
+        self._c = ffi.gc(out[0], lib.bvxpy_free_closest)
+
+    def find(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
+        """The nearest points of the mesh.
+
+        Args:
+            points: (n, 3) [world].
+
+        Returns:
+            A record array of n: position [world], distance [world], weight (barycentric), triangle, feature (0 inside the
+            triangle, 1 2 3 on an edge, 4 5 6 at a corner).
+        """
+        given = arrays.numbers_in(points, "points", 3)
+        out = ffi.new("bvx_closest_point[]", max(1, given.count))
+        with Run(threads, None, progress) as run:
+            run.check(lib.bvx_closest_find(run.context, self._c, ffi.cast("double *", given.pointer), given.count, out))
+        return arrays.records_at(out, "bvx_closest_point", given.count, out)
+
+
+def repair(
+    mesh: Any,
+    *,
+    resolution: int | None = None,
+    lattice: Lattice | None = None,
+    sign: str = "auto",
+    interpolation: str | None = None,
+    face_rule: str = "separate",
+    sharp: bool = False,
+    shell: float | None = None,
+    least_part: int = 0,
+    least_cavity: int = 0,
+    triangles: int | None = None,
+    measure: bool = False,
+    measure_samples: int | None = None,
+    dtype: Any = None,
+    local_frame: bool = False,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Mesh:
+    """Make a closed, manifold, oriented mesh without crossing triangles from any mesh.
+
+    Args:
+        mesh: what `Mesh.of` takes.
+        resolution: voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
+        sign: what decides that a centre is inside: "auto", "exact", "normal", "pseudonormal", "winding" or "vote".
+        interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
+        sharp: cells on sharp edges and corners get a vertex there.
+        shell: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
+        least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels].
+        triangles: most triangles, by the largest resolution that a search finds not to exceed them; 0 or None: no limit.
+        measure: measure the distances between input and result, from ``measure_samples`` points a side.
+        face_rule, dtype, local_frame: as for `surface`.
+
+    Returns:
+        A `Mesh`; ``mesh.report`` tells what was found and done: the fields of ``bvx_repair_report``.
+
+    Raises:
+        EmptyError: no triangle of area, or nothing left.
+    """
+    mend = function("bvx_repair")
+    options = options_of("repair_options")
+    if lattice is not None:
+        if resolution is not None:
+            raise ArgumentError("resolution and lattice contradict each other; give one of them")
+        options.lattice = lattice._c
+    elif resolution is not None:
+        options.resolution = in_range("resolution", resolution, 1, 2**24)
+    options.sign = choice("sign", sign, "BVX_SIGN_", SIGNS)
+    if interpolation is not None:
+        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.sharp, options.local_frame, options.measure = int(bool(sharp)), int(bool(local_frame)), int(bool(measure))
+    if shell is not None:
+        options.shell = float(shell)
+    options.least_part = in_range("least_part", least_part, 0, 2**64 - 1)
+    options.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
+    options.target_triangles = 0 if triangles is None else in_range("triangles", triangles, 0, 2**64 - 1)
+    if measure_samples is not None:
+        if not measure:
+            raise ArgumentError("measure_samples is taken together with measure")
+        options.measure_samples = in_range("measure_samples", measure_samples, 1, 2**31 - 1)
+    report = ffi.new("bvx_repair_report *")
+    options.report = report
+    source = Mesh.of(mesh)
+    made = with_positions(options, dtype, lambda run, out: mend(run.context, source._view(run), options, out),
+                          threads=threads, memory_limit=memory_limit, progress=progress)
+    made.report = record(report)
+    return made
+
+
+def content_hash(data: Any, seed: int = 0) -> int:
+    """The hash behind all golden values, over bytes; see ``bvx_hash`` in the C header."""
+    held = ffi.from_buffer(data)
+    return lib.bvx_hash(held, len(held), in_range("seed", seed, 0, 2**64 - 1))

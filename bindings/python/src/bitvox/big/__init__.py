@@ -1,0 +1,17 @@
+"""More than one machine, or more than fits into one: chunks of one lattice on Dask, in Zarr, or on any other engine.
+
+    volume = bitvox.big.voxelize("dragon.ply", resolution=2048, chunks=512)     # nothing is computed yet
+    mesh = bitvox.big.surface(volume)                                           # the bytes of a single run
+    bitvox.big.to_zarr(volume, "dragon.zarr")                                   # OME-Zarr, one shard a task
+
+Chunks are windows of one lattice, and a window holds the bits of the whole there; so nothing depends on how the work was cut,
+on who did it or on how often it was tried. `plan` gives the same work as a list of picklable tasks, for Ray or a batch queue.
+Needs ``bitvox[big]`` (dask, zarr); `plan` needs neither.
+"""
+
+from .chunks import Chunks
+from .plan import Plan, Task, plan
+from .store import from_zarr, to_zarr
+from .volume import Volume, from_dask, surface, voxelize
+
+__all__ = ["Chunks", "Plan", "Task", "Volume", "from_dask", "from_zarr", "plan", "surface", "to_zarr", "voxelize"]

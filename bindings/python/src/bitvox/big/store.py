@@ -1,0 +1,142 @@
+"""Volumes in Zarr, version 3, with OME-Zarr metadata."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Sequence
+
+from .._errors import ArgumentError, FormatError, need
+from .._grid import Grid
+from .._lattice import Lattice, _lattice_from
+from .chunks import Chunks, Index
+from .volume import Volume
+
+
+def _path_of(path: str | os.PathLike[str]) -> str:
+    name = os.fspath(path)
+    return name if "://" in name else os.path.abspath(name)
+
+
+def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, unit: str | None = None, overwrite: bool = False,
+            compute: bool = True) -> Any:
+    """Write a volume as OME-Zarr 0.5: uint8 0 and 1, axes z, y, x, one shard a chunk of the volume and a task.
+
+    A task writes one whole shard, so one that is tried again does no harm.
+
+    Args:
+        path: a folder or a URL that all workers reach.
+        inner: voxels of the pieces that can be read alone, along each axis; the chunks' sides must be multiples of it.
+        unit: of the world, such as "millimeter" (OME-Zarr's names).
+        overwrite: replace what is there.
+        compute: False returns the delayed tasks.
+    """
+    dask, zarr = need("dask", "big"), need("zarr", "big")
+    cut, name = volume.chunks, _path_of(path)
+    pieces = tuple(min(inner, n) for n in cut.size[::-1])
+    if any(n % m for n, m in zip(cut.size[::-1], pieces)):
+        raise ArgumentError(f"chunks of {cut.size} are no multiples of inner={inner}")
+    group = zarr.open_group(name, mode="w" if overwrite else "w-", zarr_format=3)
+    group.create_array("0", shape=volume.shape[::-1], chunks=pieces, shards=cut.size[::-1], dtype="uint8", fill_value=0,
+                       compressors=zarr.codecs.ZstdCodec(level=3), dimension_names=("z", "y", "x"))
+    group.attrs.update(_metadata(volume.lattice, unit, os.path.basename(name.rstrip("/"))))
+    write = dask.delayed(_write, pure=False)  # what is on the disk may have changed since
+    tasks = [write(name, cut, index, block) for index, block in volume.blocks.items()]
+    return dask.compute(*tasks) and None if compute else tasks
+
+
+def _metadata(lattice: Lattice, unit: str | None, name: str) -> dict[str, Any]:
+    axes: list[dict[str, str]] = [{"name": a, "type": "space"} for a in "zyx"]
+    for axis in axes if unit else ():
+        axis["unit"] = str(unit)
+    places = [{"type": "scale", "scale": list(lattice.spacing[::-1])}, {"type": "translation", "translation": list(lattice.center0[::-1])}]
+    return {
+        "ome": {"version": "0.5", "multiscales": [{"name": name, "axes": axes, "datasets": [{"path": "0", "coordinateTransformations": places}]}]},
+        "bitvox": {"shape": list(lattice.shape), "spacing": list(lattice.spacing), "corner": list(lattice.corner),
+                   "fraction_bits": lattice.fraction_bits},
+    }
+
+
+def _write(name: str, cut: Chunks, index: Index, grid: Grid) -> None:
+    zarr = need("zarr", "big")
+    array = zarr.open_array(name, path="0", mode="r+", zarr_format=3)
+    low, size = cut.window(index)
+    place = tuple(slice(a, a + n) for a, n in zip(low[::-1], size[::-1]))
+    array[place] = grid.to_numpy("zyx").view("uint8")
+
+
+def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chunks: int | Sequence[int] | None = None,
+              threshold: float | None = None) -> Volume:
+    """A volume from OME-Zarr (0.4 and 0.5) or a plain Zarr array [z, y, x].
+
+    Args:
+        dataset: of the group; None: the first, which is the finest.
+        chunks: of the volume; None: the shards, or where there are none pieces of about 256.
+        threshold: values above it are set; None: all other than 0.
+
+    Returns:
+        A `Volume` on the lattice that was written, or on the one that scale and translation tell.
+    """
+    dask, zarr = need("dask", "big"), need("zarr", "big")
+    name = _path_of(path)
+    found = zarr.open(name, mode="r")
+    attributes, place = dict(found.attrs), ""
+    if hasattr(found, "array_keys"):
+        place, lattice_parts = _dataset(attributes, dataset, found, name)
+        array = found[place]
+    else:
+        array, lattice_parts = found, None
+    lead = array.ndim - 3
+    if lead < 0 or any(n != 1 for n in array.shape[:lead]):
+        raise FormatError(f"{name}: shape {array.shape} is no single volume [z, y, x]")
+    shape = tuple(array.shape[lead:][::-1])
+    own = attributes.get("bitvox")
+    if own is not None and tuple(own["shape"]) == shape:
+        lattice = _lattice_from(shape, tuple(own["spacing"]), tuple(own["corner"]), int(own["fraction_bits"]))
+    elif lattice_parts is not None:
+        scale, center = ([float(x) for x in part[lead:][::-1]] for part in lattice_parts)
+        lattice = Lattice(shape, scale, [c - 0.5 * s for c, s in zip(center, scale)])
+    else:
+        lattice = Lattice(shape)
+    if chunks is None:
+        pieces = array.shards or tuple(max(n, n * max(1, 256 // n)) for n in array.chunks)
+        chunks = tuple(pieces[lead:][::-1])
+    cut = Chunks(lattice, chunks)
+    read = dask.delayed(_read, pure=False)
+    return Volume(cut, {index: read(name, place, lead, threshold, cut, index) for index in cut})
+
+
+def _dataset(attributes: dict[str, Any], dataset: str | None, group: Any, name: str) -> tuple[str, Any]:
+    """Path of a dataset, and its scale and translation."""
+    multiscales = attributes.get("ome", attributes).get("multiscales")
+    if not multiscales:
+        if dataset is None:
+            raise FormatError(f"{name} is a group without OME-Zarr metadata; give dataset= one of {', '.join(group.array_keys())}")
+        return dataset, None
+    entries = multiscales[0]["datasets"]
+    chosen = next((e for e in entries if dataset in (None, e["path"])), None)
+    if chosen is None:
+        raise FormatError(f"{name} has no dataset {dataset!r}; there are: {', '.join(e['path'] for e in entries)}")
+    axes = [a["name"] if isinstance(a, dict) else a for a in multiscales[0].get("axes", [])]
+    if axes and axes[-3:] != ["z", "y", "x"]:
+        raise FormatError(f"{name}: axes are {axes}; the last three must be z, y, x")
+    scale, shift = [1.0] * max(3, len(axes)), [0.0] * max(3, len(axes))
+    for change in chosen.get("coordinateTransformations", []) + multiscales[0].get("coordinateTransformations", []):
+        by = change.get("scale")
+        scale = [s * b for s, b in zip(scale, by)] if by else scale
+        shift = [s * b for s, b in zip(shift, by)] if by else shift
+        by = change.get("translation")
+        shift = [s + b for s, b in zip(shift, by)] if by else shift
+    return chosen["path"], (scale, shift)
+
+
+def _read(name: str, place: str, lead: int, threshold: float | None, cut: Chunks, index: Index) -> Grid:
+    zarr = need("zarr", "big")
+    found = zarr.open(name, mode="r")
+    array = found[place] if place else found
+    low, size = cut.window(index)
+    box = tuple(slice(a, a + n) for a, n in zip(low[::-1], size[::-1]))
+    values = array[(0,) * lead + box]
+    return Grid.from_numpy(values if threshold is None else values > threshold, order="zyx", lattice=cut.lattice, low=low)
+
+
+

@@ -1,0 +1,20 @@
+"""Files of other fields, read and written by the libraries that know them; each brought by an extra.
+
+| files | functions | extra |
+|---|---|---|
+| NIfTI volumes and masks | `read_nifti`, `write_nifti` | ``bitvox[medical]`` (nibabel) |
+| DICOM series, RTSTRUCT contours | `read_dicom`, `read_rtstruct` | ``bitvox[medical]`` (pydicom) |
+| stacks of slice images | `read_images`, `write_images` | ``bitvox[formats]`` (Pillow) |
+| DXF polylines | `read_dxf` | ``bitvox[geo]`` (ezdxf) |
+| 3MF, GLB, DAE ... meshes | `bitvox.read` | ``bitvox[formats]`` (trimesh) |
+| AMF, plain and zipped | `bitvox.read`, `read_amf` | none |
+"""
+
+from .amf import read_amf
+from .dicom import read_dicom, read_rtstruct
+from .dxf import read_dxf
+from .images import read_images, write_images
+from .nifti import read_nifti, write_nifti
+from .other import read_other
+
+__all__ = ["read_amf", "read_dicom", "read_dxf", "read_images", "read_nifti", "read_other", "read_rtstruct", "write_images", "write_nifti"]

@@ -1,0 +1,136 @@
+"""DICOM through pydicom: series of slices, contours of structures."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Sequence
+
+from .. import _arrays as arrays
+from .._errors import EmptyError, FormatError, UnsupportedError, need
+from .._grid import Grid
+from .._sections import Loop, Sections
+from ._values import choose
+
+
+def _files(source: Any) -> list[str]:
+    if isinstance(source, (str, os.PathLike)):
+        folder = os.fspath(source)
+        if os.path.isdir(folder):
+            return sorted(entry.path for entry in os.scandir(folder) if entry.is_file())
+        return [folder]
+    return [os.fspath(path) for path in source]
+
+
+def read_dicom(source: Any, *, threshold: Any = None, labels: Any = None, series: str | None = None) -> Grid:
+    """A grid from a DICOM series, in the patient's millimetres (x to the left, y to the back, z to the head).
+
+    Args:
+        source: a folder, or the files of the slices in any order. Files that hold no picture are passed over.
+        threshold: values (after slope and intercept: Hounsfield units of CT) above it are set; (low, high): from low to high.
+        labels: values that are set. Without either, all values other than 0.
+        series: SeriesInstanceUID, when the files are of several.
+
+    Raises:
+        FormatError: slices that do not belong together, are missing or not evenly spaced.
+        UnsupportedError: slices that lie oblique to the patient's axes.
+    """
+    np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
+    slices = []
+    for path in _files(source):
+        try:
+            one = pydicom.dcmread(path)
+        except pydicom.errors.InvalidDicomError:
+            continue
+        if "PixelData" in one and "ImagePositionPatient" in one and (series is None or one.SeriesInstanceUID == series):
+            slices.append(one)
+    if not slices:
+        raise EmptyError("there is no DICOM slice with a position here")
+    found = {str(getattr(s, "SeriesInstanceUID", "")) for s in slices}
+    if len(found) > 1:
+        raise FormatError(f"slices of {len(found)} series; give series= one of {', '.join(sorted(found))}")
+    first = slices[0]
+    rows, columns = np.array(first.ImageOrientationPatient[:3], float), np.array(first.ImageOrientationPatient[3:], float)
+    normal = np.cross(rows, columns)
+    for one in slices:
+        same = np.allclose(one.ImageOrientationPatient, first.ImageOrientationPatient, atol=1e-4)
+        if not same or (one.Rows, one.Columns) != (first.Rows, first.Columns) or not np.allclose(one.PixelSpacing, first.PixelSpacing):
+            raise FormatError("slices differ in size, spacing or orientation")
+    slices.sort(key=lambda s: float(np.dot(s.ImagePositionPatient, normal)))
+    at = np.array([float(np.dot(s.ImagePositionPatient, normal)) for s in slices])
+    step = float(np.diff(at).mean()) if len(at) > 1 else float(getattr(first, "SliceThickness", 1.0) or 1.0)
+    if len(at) > 1 and (step <= 0 or (np.abs(np.diff(at) - step) > 0.01 * step).any()):
+        raise FormatError(f"slices are not evenly spaced: steps from {np.diff(at).min():g} to {np.diff(at).max():g} mm")
+    for one in slices[1:]:  # a gantry's tilt moves slices sideways
+        moved = np.array(one.ImagePositionPatient, float) - np.array(slices[0].ImagePositionPatient, float)
+        if np.abs(moved - normal * (moved @ normal)).max() > 0.01 * min(map(float, first.PixelSpacing)):
+            raise UnsupportedError("slices are shifted against each other (a tilted gantry); resample the series first")
+    values = np.stack([_values(s, np) for s in slices])  # [slice, row, column]
+    between_rows, between_columns = map(float, first.PixelSpacing)
+    axes = [(normal, step), (columns, between_rows), (rows, between_columns)]
+    return _placed(values, axes, np.array(slices[0].ImagePositionPatient, float), threshold, labels)
+
+
+def _values(one: Any, np: Any) -> Any:
+    values = one.pixel_array
+    slope, intercept = float(getattr(one, "RescaleSlope", 1) or 1), float(getattr(one, "RescaleIntercept", 0) or 0)
+    if values.ndim != 2:
+        raise UnsupportedError("colour or multi-frame pictures are no volume of numbers")
+    return values if slope == 1.0 and intercept == 0.0 else values * slope + intercept
+
+
+def _placed(values: Any, axes: Sequence[tuple[Any, float]], center: Any, threshold: Any, labels: Any) -> Grid:
+    """Turn [slice, row, column] so that axes run along +x, +y, +z of the patient."""
+    np = arrays.numpy("DICOM")
+    order, spacing = [-1, -1, -1], [0.0, 0.0, 0.0]
+    for i, (direction, step) in enumerate(axes):
+        axis = int(np.abs(direction).argmax())
+        if abs(abs(direction[axis]) - 1.0) > 1e-4:
+            raise UnsupportedError("slices lie oblique to the patient's axes; resample the series first")
+        order[axis], spacing[axis] = i, step
+        if direction[axis] < 0:
+            values = np.flip(values, i)
+            center = center + direction * step * (values.shape[i] - 1)
+    corner = [c - 0.5 * s for c, s in zip(center, spacing)]
+    return Grid.from_numpy(choose(values, threshold, labels).transpose(order), spacing=spacing, corner=corner)
+
+
+def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None = None, tolerance: float = 0.01) -> Sections:
+    """Contours of structures from a DICOM RTSTRUCT file, in the patient's millimetres.
+
+    Args:
+        path: the file. names: only these structures; a name that is not there is an error.
+        tolerance: how far points may lie off their plane [mm].
+
+    Returns:
+        `Sections` whose loops carry the structures' names as labels. Points and open lines are left out.
+    """
+    np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
+    data = pydicom.dcmread(os.fspath(path))
+    if "ROIContourSequence" not in data or "StructureSetROISequence" not in data:
+        raise FormatError(f"{os.fspath(path)} is no RTSTRUCT: it holds no contours")
+    called = {int(roi.ROINumber): str(roi.ROIName) for roi in data.StructureSetROISequence}
+    missing = set(names or ()) - set(called.values())
+    if missing:
+        raise FormatError(f"{os.fspath(path)} has no structure named {', '.join(sorted(missing))}; there are: {', '.join(called.values())}")
+    loops = []
+    for roi in data.ROIContourSequence:
+        name = called.get(int(roi.ReferencedROINumber), "")
+        if names is not None and name not in names:
+            continue
+        for contour in getattr(roi, "ContourSequence", []):
+            if str(contour.ContourGeometricType).upper() in ("CLOSED_PLANAR", "CLOSEDPLANAR_XOR"):
+                loops.append(Loop(np.array(contour.ContourData, float).reshape(-1, 3), name))
+    if not loops:
+        raise EmptyError(f"{os.fspath(path)} holds no closed contour of these structures")
+    return Sections(loops, _normal_of(loops, np), tolerance=tolerance)
+
+
+def _normal_of(loops: list[Loop], np: Any) -> Any:
+    """Across the largest loop, by its area vector, pointing to the positive side of its main axis."""
+    areas = [np.cross(loop.points, np.roll(loop.points, -1, axis=0)).sum(0) for loop in loops]
+    best = max(areas, key=lambda a: float(a @ a))
+    best = best / (np.sqrt(best @ best) or 1.0)
+    main = int(np.abs(best).argmax())
+    if abs(best[main]) > 1.0 - 1e-6:
+        best = np.eye(3)[main]
+    return best if best[main] > 0 else -best

@@ -1,0 +1,50 @@
+"""NIfTI through nibabel."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from .. import _arrays as arrays
+from .._errors import UnsupportedError, need
+from .._grid import Grid
+from ._values import choose
+
+
+def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: Any = None, index: int | None = None) -> Grid:
+    """A grid from a NIfTI volume or mask, in the file's world (usually millimetres, x to the right, y forward, z up).
+
+    Args:
+        path: .nii or .nii.gz.
+        threshold: values above it are set; (low, high): from low to high. labels: values (one or several) that are set.
+            Without either, all values other than 0.
+        index: which volume of a series of them.
+
+    Raises:
+        UnsupportedError: axes that are turned against the world's by other than right angles.
+    """
+    np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
+    image = nibabel.as_closest_canonical(nibabel.load(os.fspath(path)))
+    affine = np.asarray(image.affine, float)
+    turn = affine[:3, :3]
+    spacing = np.diag(turn).copy()
+    if not (np.abs(turn - np.diag(spacing)) <= 1e-6 * np.abs(spacing).max()).all() or (spacing <= 0).any():
+        raise UnsupportedError(f"{os.fspath(path)}: its axes are oblique to the world's; resample it first (nibabel.processing)")
+    values = np.asanyarray(image.dataobj)
+    values = values if values.ndim < 4 or index is None else values[..., index]
+    while values.ndim > 3 and values.shape[-1] == 1:
+        values = values[..., 0]
+    if values.ndim != 3:
+        raise UnsupportedError(f"{os.fspath(path)} has shape {values.shape}; give index for one of its volumes")
+    return Grid.from_numpy(choose(values, threshold, labels), spacing=spacing, corner=affine[:3, 3] - 0.5 * spacing)
+
+
+def write_nifti(grid: Grid, path: str | os.PathLike[str]) -> None:
+    """Write a grid as a NIfTI mask (uint8); its affine carries the centre of the first voxel."""
+    np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
+    affine = np.diag([*grid.spacing, 1.0])
+    affine[:3, 3] = grid.center0
+    image = nibabel.Nifti1Image(grid.to_numpy().view(np.uint8), affine)
+    image.header.set_xyzt_units("mm")
+    image.set_sform(affine, 1)
+    nibabel.save(image, os.fspath(path))

@@ -1,0 +1,43 @@
+"""Files that bitvox.read hands on: AMF, and meshes that trimesh reads."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import os
+from typing import Any
+
+from .._errors import EmptyError, FormatError, UnsupportedError, need
+from .._mesh import Mesh
+
+_OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml", "xyz")
+
+
+def read_other(path: str, kind: str) -> Any:
+    """See `bitvox.read`."""
+    if kind in ("nii", "dcm", "dxf"):
+        name = {"nii": "read_nifti(path, threshold=...)", "dcm": "read_dicom(folder, threshold=...)", "dxf": "read_dxf(path)"}[kind]
+        raise UnsupportedError(f"{path}: .{kind} is read by bitvox.formats.{name}")
+    if kind == "amf":
+        from .amf import read_amf
+
+        return read_amf(path)
+    if kind not in _OTHERS:
+        raise UnsupportedError(f"{path}: no format is known by the ending .{kind}")
+    trimesh = need("trimesh", "formats")
+    if not os.path.isfile(path):
+        raise FileNotFoundError(path)
+    try:
+        if path.lower().endswith(".gz"):
+            with gzip.open(path) as file:
+                scene = trimesh.load(io.BytesIO(file.read()), file_type=kind)
+        else:
+            scene = trimesh.load(path, file_type=kind)
+        mesh = scene.to_mesh() if hasattr(scene, "to_mesh") else scene
+    except ImportError:
+        raise
+    except Exception as why:  # what trimesh and its parsers raise has no common kind
+        raise FormatError(f"{path}: trimesh cannot read it: {type(why).__name__}: {why}") from why
+    if not hasattr(mesh, "faces") or not len(mesh.faces):
+        raise EmptyError(f"{path} holds no triangle")
+    return Mesh.of(mesh)

@@ -1,0 +1,78 @@
+"""PyVista's ``dataset.bitvox``: ``mesh.bitvox.voxelize(resolution=128)`` and the like, datasets in and out.
+
+PyVista finds it by itself (an entry point), from 0.48 on; with an older one import this module.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pyvista
+
+from . import _stages
+from ._errors import ArgumentError
+from ._grid import Grid
+from ._octree import refine
+
+
+class MeshAccessor:
+    """What bitvox does with a PolyData."""
+
+    def __init__(self, dataset: Any) -> None:
+        self._dataset = dataset
+
+    def voxelize(self, **options: Any) -> Any:
+        """A pyvista.ImageData with the cell data "set"; options as for `bitvox.voxelize`."""
+        return _stages.voxelize(self._dataset, **options).to_pyvista()
+
+    def lod(self, **options: Any) -> list[Any]:
+        """Levels of detail as PolyData; options as for `bitvox.lod`."""
+        return [level.to_pyvista() for level in _stages.lod(self._dataset, **options)]
+
+    def repair(self, **options: Any) -> Any:
+        """A closed PolyData; options as for `bitvox.repair`."""
+        return _stages.repair(self._dataset, **options).to_pyvista()
+
+    def check(self, **options: Any) -> Any:
+        """The certificate of `bitvox.check`."""
+        return _stages.check(self._dataset, **options)
+
+    def refine(self, **options: Any) -> Any:
+        """The `bitvox.Octree` of `bitvox.refine`."""
+        return refine(self._dataset, **options)
+
+
+class ImageAccessor:
+    """What bitvox does with an ImageData: the cells whose scalars are not 0 (or all above ``threshold``) are set."""
+
+    def __init__(self, dataset: Any) -> None:
+        self._dataset = dataset
+
+    def grid(self, scalars: str | None = None, *, threshold: float | None = None) -> Grid:
+        """A `bitvox.Grid` of cell data, or of point data: then voxels lie about the points."""
+        data, where = self._dataset, "cell"
+        if scalars is None:
+            scalars = data.active_scalars_name
+        if scalars in data.cell_data:
+            values, sides, corner = data.cell_data[scalars], [n - 1 for n in data.dimensions], data.origin
+        elif scalars in data.point_data:
+            where, values, sides = "point", data.point_data[scalars], list(data.dimensions)
+            corner = [o - 0.5 * s for o, s in zip(data.origin, data.spacing)]
+        else:
+            raise ArgumentError(f"the image has no cell or point data named {scalars!r}")
+        if values.ndim != 1 or min(sides) < 1:
+            raise ArgumentError(f"the {where} data {scalars!r} are no volume of single numbers")
+        zyx = values.reshape(sides[::-1])
+        return Grid.from_numpy(zyx if threshold is None else zyx > threshold, order="zyx", spacing=data.spacing, corner=corner)
+
+    def surface(self, scalars: str | None = None, *, threshold: float | None = None, **options: Any) -> Any:
+        """The closed surface as PolyData; options as for `bitvox.surface`."""
+        return _stages.surface(self.grid(scalars, threshold=threshold), **options).to_pyvista()
+
+
+if hasattr(pyvista, "register_dataset_accessor"):
+    pyvista.register_dataset_accessor("bitvox", pyvista.PolyData)(MeshAccessor)
+    pyvista.register_dataset_accessor("bitvox", pyvista.ImageData)(ImageAccessor)
+else:
+    pyvista.PolyData.bitvox = property(MeshAccessor)
+    pyvista.ImageData.bitvox = property(ImageAccessor)

@@ -1,0 +1,62 @@
+"""Shapes that the tests share. They run on the installed package, from anywhere; real data is used where it is present."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import bitvox
+
+HERE = Path(__file__).resolve().parent
+REPOSITORY = HERE.parent.parent.parent
+SHARED = Path(os.environ.get("BITVOX_SHARED", REPOSITORY.parent / "shared"))
+
+TETRAHEDRON = (np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+BOX_FACES = np.array([[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6],
+                      [3, 0, 4], [3, 4, 7]])
+
+
+def box_mesh(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0)):
+    """Vertices and faces of a box, outwards."""
+    (a, b, c), (d, e, f) = low, high
+    return np.array([[a, b, c], [d, b, c], [d, e, c], [a, e, c], [a, b, f], [d, b, f], [d, e, f], [a, e, f]], float), BOX_FACES
+
+
+def ball_grid(n=24, radius=None):
+    """A ball of voxels, as an array [x, y, z]."""
+    at = np.arange(n) + 0.5 - n / 2
+    x, y, z = np.meshgrid(at, at, at, indexing="ij")
+    return x * x + y * y + z * z < (radius or n * 0.4) ** 2
+
+
+@pytest.fixture(scope="session")
+def knot():
+    path = REPOSITORY / "fixtures" / "knot.ply"
+    if not path.is_file():
+        pytest.skip("fixtures/knot.ply is not here")
+    return bitvox.read(path)
+
+
+@pytest.fixture(scope="session")
+def ball():
+    """A closed mesh of a ball."""
+    return bitvox.surface(bitvox.Grid.from_numpy(ball_grid(), spacing=0.25))
+
+
+@pytest.fixture(scope="session")
+def shared():
+    """A file of the shared data, or a skipped test."""
+
+    def find(name):
+        path = SHARED / name
+        if not path.is_file():
+            pytest.skip(f"{path} is not here")
+        return path
+
+    return find
+
+
+@pytest.fixture()
+def tetrahedron():
+    return TETRAHEDRON

@@ -1,0 +1,120 @@
+"""The binding against the header it is made from."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+import bitvox
+from bitvox import _native
+
+PACKAGE = Path(bitvox.__file__).parent
+PROJECT = Path(__file__).resolve().parent.parent
+lib, ffi = _native.lib, _native.ffi
+
+# Functions that Python has no need to call: contexts are made and dropped by each call.
+NOT_NEEDED = {
+    "bvx_context_cpu", "bvx_context_threads", "bvx_memory_used", "bvx_memory_peak", "bvx_memory_reset_peak",
+    "bvx_format_of_name",  # Python looks at the ending itself, for it knows more formats
+    "bvx_mesh_view_of",  # views are made of Python's arrays
+    "bvx_grid_bound",  # grids are made by the library
+    "bvx_lattice_fit",  # bvx_lattice_fit_with has all choices
+}
+
+
+@pytest.fixture(scope="module")
+def csource():
+    pytest.importorskip("pcpp")
+    if not (PROJECT / "csource.py").is_file():
+        pytest.skip("the build files are not beside the tests")
+    sys.path.insert(0, str(PROJECT))
+    try:
+        import csource
+
+        return csource
+    finally:
+        sys.path.remove(str(PROJECT))
+
+
+def test_package_under_test_is_the_installed_one():
+    assert PROJECT not in PACKAGE.parents
+
+
+def test_every_function_of_the_header_is_bound_or_not_implemented(csource):
+    header = csource.prepare()
+    bound = {name for name in dir(lib) if name.startswith("bvx_")}
+    missing = set(csource.missing(header))
+    assert bound == set(csource.declared(header)) - missing
+    if missing:
+        pytest.skip("declared, but not in the library yet: " + ", ".join(sorted(missing)))
+
+
+def layout(kind):
+    return [(name, field.type.cname.replace("struct ", "")) for name, field in kind.fields]
+
+
+def test_structs_and_constants_are_those_of_the_header(csource):
+    from cffi import FFI
+
+    fresh = FFI()
+    fresh.cdef(csource.cdef(csource.prepare()))
+    typedefs, _, _ = fresh.list_types()
+    compared = 0
+    for name in typedefs:
+        if name.endswith("_fn"):
+            continue
+        kind = fresh.typeof(name)
+        if kind.kind == "struct" and kind.fields:
+            mine = ffi.typeof(name)
+            assert layout(kind) == layout(mine), name
+            compared += 1
+    assert compared > 30
+    text = csource.declarations(csource.prepare())
+    names = set(re.findall(r"\bBVX_[A-Z0-9_]+\b", text)) - {"BVX_API", "BVX_STATIC_API"}
+    assert names and all(hasattr(lib, name) for name in names)
+
+
+def test_public_functions_that_python_cannot_reach():
+    source = "\n".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
+    called = set(re.findall(r"\bbvx_\w+", source))
+    called |= {f"bvx_{kind}_init" for kind in re.findall(r'"(\w+_options)"', source)}
+    glue = set(re.findall(r"bvxpy_free_(\w+)", source))
+    called |= {f"bvx_{thing}_free" for thing in glue}
+    unreachable = {name for name in dir(lib) if name.startswith("bvx_")} - called - NOT_NEEDED
+    assert unreachable == set()
+    assert NOT_NEEDED <= {name for name in dir(lib)}
+
+
+def test_arithmetic_is_the_librarys_own():
+    assert lib.bvx_arithmetic_fault() == ffi.NULL
+
+
+def test_version():
+    assert bitvox.__version__ == f"{lib.BVX_VERSION_MAJOR}.{lib.BVX_VERSION_MINOR}.{lib.BVX_VERSION_PATCH}"
+
+
+def test_every_status_is_an_exception():
+    from bitvox._errors import BY_CODE
+
+    names = re.findall(r"\bBVX_ERR_[A-Z]+|\bBVX_CANCELLED", "\n".join(dir(lib)))
+    assert {getattr(lib, name) for name in names} == set(BY_CODE)
+    for code, kind in BY_CODE.items():
+        assert getattr(lib, kind.name) == code and issubclass(kind, bitvox.Error)
+
+
+def test_everything_public_has_a_docstring():
+    bare = []
+    for name in bitvox.__all__:
+        thing = getattr(bitvox, name)
+        if not thing.__doc__:
+            bare.append(name)
+        if isinstance(thing, type) and thing.__module__.startswith("bitvox"):
+            for member, value in vars(thing).items():
+                if not member.startswith("_") and (callable(value) or isinstance(value, property)) and not value.__doc__:
+                    bare.append(f"{name}.{member}")
+    assert bare == []
+
+
+def test_typed():
+    assert (PACKAGE / "py.typed").is_file()

@@ -1,0 +1,145 @@
+"""Distance fields and repair, where the library has them."""
+
+import numpy as np
+import pytest
+from conftest import TETRAHEDRON, ball_grid, box_mesh
+
+import bitvox
+from bitvox import _native
+
+has = lambda name: hasattr(_native.lib, name)  # noqa: E731
+needs_field = pytest.mark.skipif(not has("bvx_measure_field"), reason="this build of the library has no bvx_measure_field")
+needs_surface = pytest.mark.skipif(not (has("bvx_measure_field") and has("bvx_extract_field_surface")), reason="this build of the library has no bvx_extract_field_surface")
+needs_repair = pytest.mark.skipif(not has("bvx_repair"), reason="this build of the library has no bvx_repair")
+
+
+@pytest.mark.skipif(has("bvx_measure_field") and has("bvx_repair"), reason="this build has all of it")
+def test_what_a_build_lacks_is_named():
+    if not has("bvx_measure_field"):
+        with pytest.raises(NotImplementedError, match="bvx_measure_field"):
+            bitvox.field(TETRAHEDRON)
+    if not has("bvx_repair"):
+        with pytest.raises(bitvox.UnsupportedError, match="bvx_repair"):
+            bitvox.repair(TETRAHEDRON)
+
+
+def brute(lattice, mesh):
+    """Distances of all centres to the corners, edges and planes of a convex mesh, sampled."""
+    at = [lattice.center0[a] + np.arange(lattice.shape[a]) * lattice.spacing[a] for a in range(3)]
+    centers = np.stack(np.meshgrid(*at, indexing="ij"), -1)
+    closest = bitvox.Closest(mesh).find(centers.reshape(-1, 3))
+    return centers, closest["distance"].reshape(lattice.shape)
+
+
+@needs_field
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_field_against_closest_points(dtype):
+    lattice = bitvox.Lattice((14, 13, 12), 0.11, (-0.23, -0.22, -0.21))
+    found = bitvox.field(TETRAHEDRON, lattice=lattice, half_width=np.inf, dtype=dtype, features=True)
+    centers, expected = brute(lattice, TETRAHEDRON)
+    solid = bitvox.voxelize(TETRAHEDRON, lattice=lattice)
+    assert found.sign == "exact" and found.inside == solid and found.band.count == 14 * 13 * 12
+    voxels = tuple(found.band.voxels().T)
+    distances = found.distances
+    assert distances.dtype == dtype and np.allclose(np.abs(distances), expected[voxels], atol=1e-6)
+    assert (np.signbit(distances) == solid.to_numpy()[voxels]).all()
+    assert found.vectors.dtype == dtype and np.allclose(np.sqrt((found.vectors**2).sum(1)), expected[voxels], atol=1e-6)
+    other = found.triangles != bitvox.Closest(TETRAHEDRON).find(centers[voxels])["triangle"]
+    assert (found.features[other] > 0).all()  # edges and corners, where numpy's centres round to another triangle
+    assert found.features.max() <= 6 and not distances.flags.writeable
+    assert found.value((3, 4, 5)) == 5 * 13 * 14 + 4 * 14 + 3 and found.row_values[-1] == len(distances)
+    with pytest.raises(IndexError):
+        found.value((14, 0, 0))
+    dense = found.to_numpy()
+    assert np.allclose(np.abs(dense), expected, atol=1e-6) and np.array_equal(found.to_numpy("zyx"), dense.transpose(2, 1, 0))
+    assert found.to_numpy(vectors=True).shape == (14, 13, 12, 3)
+
+
+@needs_field
+def test_bands_windows_and_options():
+    found = bitvox.field(TETRAHEDRON, resolution=24, half_width=2.0)
+    assert 0 < found.band.count < np.prod(found.shape) and found.value((0, 0, 0)) in (None, 0)
+    assert np.abs(found.distances).max() <= found.half_width
+    band, distances = found.band, found.distances
+    count, first = band.count, distances.copy()
+    del found
+    for _ in range(20):
+        bitvox.field(TETRAHEDRON, resolution=12)
+    assert band.count == count and np.array_equal(distances, first)  # they keep the field's memory alive
+    plain = bitvox.field(TETRAHEDRON, resolution=12, vectors=False, sign="none")
+    assert plain.vectors is None and plain.inside is None and plain.triangles is None and plain.features is None
+    assert (plain.distances >= 0).all() and plain.sign == "none"
+    part = bitvox.field(TETRAHEDRON, lattice=bitvox.field(TETRAHEDRON, resolution=12).lattice, window=((2, 3, 4), (5, 6, 7)))
+    assert part.shape == (5, 6, 7) and part.band.low == (2, 3, 4)
+    for options in ({"half_width": 0.0}, {"half_width": float("nan")}, {"sign": "perhaps"}, {"dtype": "int8"}, {"window": ((90, 0, 0), (1, 1, 1))}):
+        with pytest.raises(bitvox.Error):
+            bitvox.field(TETRAHEDRON, resolution=12, **options)
+    with pytest.raises(bitvox.Error):
+        bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0).to_numpy(far="propagated")
+    far = bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0, features=True).to_numpy(far="propagated")
+    assert far.max() > 1.5 * bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0).half_width
+
+
+@needs_field
+@pytest.mark.skipif(not has("bvx_write_field"), reason="this build of the library has no bvx_write_field")
+def test_field_files(tmp_path):
+    found = bitvox.field(TETRAHEDRON, resolution=10)
+    found.save(tmp_path / "a.npy")
+    assert np.array_equal(np.load(tmp_path / "a.npy"), found.to_numpy()) and (tmp_path / "a.npy.json").is_file()
+    found.save(tmp_path / "v.npy", vectors=True)
+    assert np.array_equal(np.load(tmp_path / "v.npy"), found.to_numpy(vectors=True))
+    assert bitvox.dumps(found, "vti")[:5] == b"<?xml" and bitvox.dumps(found, "nrrd")[:4] == b"NRRD"
+    with pytest.raises(bitvox.UnsupportedError):
+        bitvox.dumps(found, "bvx")
+
+
+@needs_surface
+@pytest.mark.parametrize("interpolation", [None, "vector", "scalar", "middle", "paper"])
+def test_surface_of_a_field(interpolation):
+    ball = bitvox.surface(ball_grid(), dtype="float64")
+    surface = bitvox.field(ball, resolution=30).surface(interpolation=interpolation)
+    certificate = surface.check()
+    assert certificate.closed and certificate.edge_manifold and certificate.oriented and surface.report.edges == surface.n_vertices
+    off = bitvox.compare(surface, ball, samples=2000)
+    assert off.mean < (0.5 if interpolation == "middle" else 0.2)
+
+
+@needs_surface
+def test_sharp_surface():
+    box = box_mesh((0, 0, 0), (1, 1, 1))
+    found = bitvox.field(box, resolution=10, features=True)
+    sharp = found.surface(sharp=True)
+    assert sharp.report.sharp_cells > 0
+    assert abs(sharp.check().volume - 1) <= abs(found.surface(interpolation="scalar").check().volume - 1) + 1e-6
+    with pytest.raises(bitvox.Error):
+        found.surface(sharp=True, sharp_angle=2.0)
+
+
+@needs_repair
+def test_repair(knot):
+    torn = bitvox.Mesh(knot.vertices, knot.faces[150:])
+    assert not torn.check().closed
+    mended = bitvox.repair(torn, resolution=80, measure=True, measure_samples=1000)
+    found = mended.check()
+    assert found.closed and found.edge_manifold and found.vertex_manifold and found.oriented
+    report = mended.report
+    assert report.holes >= 1 and report.before.boundary_edges > 0 and report.after.closed and report.lattice.shape
+    assert report.distance.samples == 1000 and report.distance.mean > 0
+    small = bitvox.repair(torn, resolution=80, triangles=3000)
+    assert small.n_faces <= 3000 and small.check().closed
+    sheet = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    assert bitvox.repair(sheet, resolution=20).check().closed
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.repair(sheet, resolution=20, shell=0.0)
+    for options in ({"sign": "none"}, {"shell": 0.3}, {"measure_samples": 5}, {"resolution": 3, "lattice": bitvox.Lattice((4, 4, 4))}):
+        with pytest.raises(bitvox.Error):
+            bitvox.repair(torn, **options)
+
+
+@pytest.mark.skipif(not has("bvx_measure_field"), reason="needs the fill rule winding")
+def test_fill_by_winding(knot):
+    try:
+        grid = bitvox.voxelize(knot, resolution=40, fill="winding")
+    except bitvox.ArgumentError:
+        pytest.skip("this build has no such rule yet")
+    assert grid == bitvox.voxelize(knot, resolution=40, fill="nonzero")

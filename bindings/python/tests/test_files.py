@@ -1,0 +1,111 @@
+"""Files: round trips, and what goes wrong."""
+
+import gzip
+import json
+import os
+
+import numpy as np
+import pytest
+from conftest import ball_grid
+
+import bitvox
+
+
+@pytest.mark.parametrize("ending", ["ply", "obj", "off", "stl", "ply.gz"])
+def test_meshes_round_trip(ball, tmp_path, ending):
+    path = tmp_path / f"ball.{ending}"
+    ball.save(path)
+    back = bitvox.read(path)
+    assert back.n_faces == ball.n_faces and back.check() == ball.check()._replace() if ending != "stl" else back.check().closed
+    assert bitvox.Mesh.of(path).n_faces == bitvox.Mesh.of(str(path)).n_faces == ball.n_faces
+    assert sorted(os.listdir(tmp_path)) == [path.name]
+
+
+def test_glb_is_written(ball, tmp_path):
+    ball.save(tmp_path / "ball.glb")
+    assert (tmp_path / "ball.glb").read_bytes()[:4] == b"glTF"
+
+
+@pytest.mark.parametrize("ending", ["npy", "binvox", "vox", "nrrd", "vti", "bvx", "nrrd.gz"])
+def test_grids_round_trip(tmp_path, ending):
+    grid = bitvox.Grid.from_numpy(ball_grid(20), spacing=0.5, corner=(1, 2, 3))
+    path = tmp_path / f"ball.{ending}"
+    grid.save(path)
+    back = bitvox.read(path)
+    assert back == grid and back.corner == (1, 2, 3) and back.center0 == (1.25, 2.25, 3.25)
+    if ending in ("npy", "vox"):
+        beside = json.loads((tmp_path / f"ball.{ending}.json").read_text())
+        assert beside["origin"] == [1, 2, 3] and beside["center0"] == [1.25, 2.25, 3.25]
+        os.unlink(tmp_path / f"ball.{ending}.json")
+        assert bitvox.read(path).corner == (0, 0, 0)
+    window = bitvox.read(path, window=(2, 3, 4, 10, 12, 14))
+    assert np.array_equal(window.to_numpy(), grid.to_numpy()[2:10, 3:12, 4:14])
+
+
+def test_npy_is_numpys(tmp_path):
+    array = ball_grid(12)
+    bitvox.Grid.from_numpy(array).save(tmp_path / "a.npy")
+    assert np.array_equal(np.load(tmp_path / "a.npy"), array)
+    np.save(tmp_path / "b.npy", array.astype(np.float32) * 7)
+    assert np.array_equal(bitvox.read(tmp_path / "b.npy").to_numpy(), array)
+
+
+def test_slices_one_by_one(tmp_path):
+    grid = bitvox.Grid.from_numpy(ball_grid(20), spacing=0.5)
+    with bitvox.Writer(tmp_path / "whole.bvx", grid.lattice) as writer:
+        for low, high in ((0, 7), (7, 8), (8, 20)):
+            writer.add(bitvox.Grid.from_numpy(grid.to_numpy()[:, :, low:high], lattice=grid.lattice, low=(0, 0, low)))
+    assert (tmp_path / "whole.bvx").read_bytes() == bitvox.dumps(grid, "bvx")
+    with pytest.raises(bitvox.ArgumentError, match="not given"):
+        with bitvox.Writer(tmp_path / "half.bvx", grid.lattice) as writer:
+            writer.add(bitvox.Grid.from_numpy(grid.to_numpy()[:, :, :7], lattice=grid.lattice))
+    assert os.listdir(tmp_path) == ["whole.bvx"]
+
+
+def test_what_goes_wrong(ball, tmp_path):
+    with pytest.raises(FileNotFoundError):
+        bitvox.read(tmp_path / "none.ply")
+    with pytest.raises(bitvox.ArgumentError, match="ending"):
+        bitvox.read(tmp_path / "none")
+    with pytest.raises(bitvox.UnsupportedError):
+        ball.save(tmp_path / "ball.npy")
+    with pytest.raises(bitvox.UnsupportedError):
+        bitvox.Grid.from_numpy(ball_grid(8)).save(tmp_path / "ball.ply")
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.loads(bitvox.dumps(ball, "ply"), "ply", window=(0, 0, 0, 1, 1, 1))
+    with pytest.raises(FileNotFoundError):
+        ball.save(tmp_path / "no" / "ball.ply")
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.voxelize(_saved(bitvox.Grid.from_numpy(ball_grid(8)), tmp_path / "g.bvx"))
+    (tmp_path / "cut.ply").write_bytes(bitvox.dumps(ball, "ply")[:300])
+    with pytest.raises(bitvox.FormatError):
+        bitvox.read(tmp_path / "cut.ply")
+    (tmp_path / "cut.obj.gz").write_bytes(gzip.compress(b"v 0 0 0\n")[:-9])
+    with pytest.raises((bitvox.Error, EOFError, OSError)):
+        bitvox.read(tmp_path / "cut.obj.gz")
+    old = (tmp_path / "cut.ply").read_bytes()
+    with pytest.raises(bitvox.Error):
+        bitvox.write(bitvox.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int)), tmp_path / "cut.ply")
+    assert (tmp_path / "cut.ply").read_bytes() == old
+
+
+def _saved(thing, path):
+    thing.save(path)
+    return path
+
+
+def test_links_and_modes_stay(ball, tmp_path):
+    target = tmp_path / "real.ply"
+    target.write_bytes(b"")
+    os.chmod(target, 0o640)
+    os.symlink(target, tmp_path / "link.ply")
+    ball.save(tmp_path / "link.ply")
+    assert (tmp_path / "link.ply").is_symlink() and os.stat(target).st_mode & 0o777 == 0o640
+    assert bitvox.read(target).n_faces == ball.n_faces
+
+
+def test_picture(ball, tmp_path):
+    bitvox.render(ball, size=(20, 20)).save(tmp_path / "a.png")
+    assert (tmp_path / "a.png").read_bytes()[1:4] == b"PNG"
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.render(ball, size=(20, 20)).save(tmp_path / "a.jpg")

@@ -1,0 +1,178 @@
+"""Grids against numpy."""
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import bitvox
+from bitvox import Grid, Lattice
+
+cubes = hnp.arrays(np.bool_, hnp.array_shapes(min_dims=3, max_dims=3, max_side=70))
+
+
+@settings(deadline=None, max_examples=60)
+@given(cubes, st.sampled_from(["xyz", "zyx"]))
+def test_from_and_to_numpy(array, order):
+    grid = Grid.from_numpy(array, order=order)
+    assert grid.shape == (array.shape if order == "xyz" else array.shape[::-1])
+    assert grid.count == array.sum()
+    back = grid.to_numpy(order)
+    assert back.dtype == np.bool_ and np.array_equal(back, array)
+    other = "zyx" if order == "xyz" else "xyz"
+    assert np.array_equal(grid.to_numpy(other), array.transpose(2, 1, 0))
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.data(), hnp.array_shapes(min_dims=3, max_dims=3, max_side=66))
+def test_set_algebra(data, shape):
+    a, b = (data.draw(hnp.arrays(np.bool_, shape)) for _ in range(2))
+    x, y = Grid.from_numpy(a), Grid.from_numpy(b)
+    for mine, theirs in ((x | y, a | b), (x & y, a & b), (x - y, a & ~b), (x ^ y, a ^ b), (~x, ~a)):
+        assert np.array_equal(mine.to_numpy(), theirs)
+        assert mine.count == theirs.sum()  # bits past a row's end are not set
+    assert (x == y) == bool(np.array_equal(a, b))
+    assert (x <= y) == bool((a <= b).all()) and (x >= y) == bool((b <= a).all())
+    assert ((x | y) - y) <= x
+
+
+@pytest.mark.parametrize("dtype", [np.int8, np.uint8, ">i4", np.uint64, np.float16, ">f8", np.float32])
+def test_any_type_and_strides(dtype):
+    whole = (np.random.default_rng(1).random((20, 41, 60)) < 0.3) * 3
+    view = whole.astype(dtype)[::2, ::-1, 5:50:3]
+    assert np.array_equal(Grid.from_numpy(view).to_numpy(), view != 0)
+    assert np.array_equal(Grid.from_numpy(view.T, order="zyx").to_numpy(), view != 0)
+
+
+def test_negative_and_read_only_arrays():
+    array = np.full((3, 4, 5), -1)
+    array.flags.writeable = False
+    assert Grid.from_numpy(array).count == 60
+
+
+def test_refused_arrays():
+    with pytest.raises(bitvox.ArgumentError, match="three axes"):
+        Grid.from_numpy(np.zeros((3, 3)))
+    with pytest.raises(bitvox.ArgumentError, match="three axes"):
+        Grid.from_numpy(np.zeros((3, 0, 3)))
+    with pytest.raises(bitvox.ArgumentError, match="NaN"):
+        Grid.from_numpy(np.full((2, 2, 2), np.nan))
+    with pytest.raises(TypeError):
+        Grid.from_numpy(np.zeros((2, 2, 2), complex))
+    with pytest.raises(TypeError):
+        Grid.from_numpy(np.zeros((2, 2, 2), object))
+    with pytest.raises(bitvox.ArgumentError, match="order"):
+        Grid.from_numpy(np.zeros((2, 2, 2)), order="yxz")
+
+
+def test_places():
+    lattice = Lattice((10, 20, 30), (1.0, 2.0, 0.5), (5.0, 6.0, 7.0))
+    assert lattice.center0 == (5.5, 7.0, 7.25)
+    grid = Grid(lattice, ((2, 3, 4), (5, 6, 7)))
+    assert (grid.low, grid.shape, grid.count) == ((2, 3, 4), (5, 6, 7), 0)
+    assert grid.corner == (7.0, 12.0, 9.0) and grid.center0 == (7.5, 13.0, 9.25)
+    assert grid.lattice == lattice and hash(grid.lattice) == hash(lattice)
+    assert not hasattr(grid, "origin") and not hasattr(lattice, "origin")
+    with pytest.raises(bitvox.RangeError):
+        Grid(lattice, ((2, 3, 4), (9, 6, 7)))
+    with pytest.raises(bitvox.Error):
+        Lattice((0, 1, 1))
+    with pytest.raises(bitvox.Error):
+        Lattice((4, 4, 4), spacing=-1.0)
+    with pytest.raises(bitvox.Error):
+        Lattice((4, 4, 4), corner=(0.0, float("nan"), 0.0))
+
+
+def test_one_voxel():
+    array = np.zeros((70, 3, 4), bool)
+    array[65, 1, 2] = True
+    grid = Grid.from_numpy(array)
+    assert grid[65, 1, 2] and not grid[64, 1, 2]
+    assert grid.voxels().tolist() == [[65, 1, 2]]
+    for outside in ((70, 0, 0), (0, -1, 0), (0, 0, 4)):
+        with pytest.raises(IndexError):
+            grid[outside]
+    with pytest.raises(TypeError):
+        list(grid)
+    assert len(grid) == 1 and bool(grid) and not bool(grid - grid)
+
+
+def test_words_are_a_view_that_outlives_the_grid():
+    grid = Grid.from_numpy(np.ones((64, 2, 2), bool))
+    words = grid.words
+    again = grid.words
+    assert words.__array_interface__["data"] == again.__array_interface__["data"]
+    assert words.shape == (2, 2, 1) and not words.flags.writeable
+    del grid, again
+    assert (words == np.uint64(2**64 - 1)).all()
+
+
+def test_other_places_are_refused_or_unequal():
+    array = np.ones((4, 4, 4), bool)
+    a, b = Grid.from_numpy(array), Grid.from_numpy(array, spacing=2.0)
+    assert a != b
+    with pytest.raises(bitvox.LatticeError):
+        a | b
+    with pytest.raises(TypeError):
+        a | array
+    with pytest.raises(bitvox.LatticeError):
+        a.compare(b)
+
+
+def test_hash_and_pickle():
+    rng = np.random.default_rng(2)
+    grid = Grid(Lattice((90, 8, 9), 0.5, (1, 2, 3)), ((3, 1, 2), (80, 5, 6)))
+    grid = grid ^ Grid.from_numpy(rng.random((80, 5, 6)) < 0.5, lattice=grid.lattice, low=grid.low)
+    again = pickle.loads(pickle.dumps(grid))
+    assert again == grid and again.content_hash() == grid.content_hash() and hash(again) == hash(grid)
+    assert pickle.loads(pickle.dumps(grid.lattice)) == grid.lattice
+    assert {grid: 1}[again] == 1
+
+
+def test_compare():
+    a, b = np.zeros((8, 8, 8), bool), np.zeros((8, 8, 8), bool)
+    a[1:4, 1:4, 1:4] = True
+    b[2:6, 1:4, 1:4] = True
+    found = Grid.from_numpy(a).compare(Grid.from_numpy(b))
+    assert (found.set_a, found.set_b, found.both, found.only_a, found.only_b) == (27, 36, 18, 9, 18)
+    assert found.low == (1, 1, 1) and found.size == (5, 3, 3)
+
+
+def test_cast_and_sample():
+    array = np.zeros((8, 8, 8), bool)
+    array[4, 2, 3] = True
+    grid = Grid.from_numpy(array, spacing=0.5, corner=(1, 1, 1))
+    hits = grid.cast([[0, 2.25, 2.75, 1, 0, 0], [0, 0, 0, -1, 0, 0]])
+    assert hits["hit"].tolist() == [1, 0]
+    assert hits["t"][0] == 3.0 and hits["voxel"][0].tolist() == [4, 2, 3] and hits["axis"][0] == 0
+    values, slopes = grid.sample([[3.25, 2.25, 2.75], [3.5, 2.25, 2.75], [90, 0, 0]], gradients=True)
+    assert values.tolist() == [1.0, 0.5, 0.0] and slopes[1].tolist() == [-2.0, -1.0, -1.0]
+    assert grid.sample(np.zeros((0, 3))).shape == (0,)
+    with pytest.raises(bitvox.RangeError):
+        grid.sample([[np.nan, 0, 0]])
+    with pytest.raises(bitvox.ArgumentError):
+        grid.sample([[0, 0]])
+    with pytest.raises(bitvox.ArgumentError):
+        grid.cast([[0, 0, 0, 0, 0, 0]])
+
+
+def test_fill_and_pockets_against_scipy():
+    ndimage = pytest.importorskip("scipy.ndimage")
+    array = np.random.default_rng(3).random((40, 30, 20)) < 0.6
+    grid = Grid.from_numpy(array)
+    labels, count = ndimage.label(~array)
+    seed = np.argwhere(~array)[7]
+    filled = grid.fill([seed]).to_numpy()
+    assert np.array_equal(filled, labels == labels[tuple(seed)])
+    inner = set(range(1, count + 1))
+    for side in (labels[0], labels[-1], labels[:, 0], labels[:, -1], labels[:, :, 0], labels[:, :, -1]):
+        inner -= set(np.unique(side))
+    pockets = bitvox.find_pockets(grid)
+    assert sorted(labels[tuple(p)] for p in pockets) == sorted(inner)
+    with pytest.raises(bitvox.ArgumentError):
+        grid.fill([np.argwhere(array)[0]])
+    with pytest.raises(bitvox.ArgumentError):
+        grid.fill([seed], connectivity=7)

@@ -1,0 +1,247 @@
+"""Meshes: arrays of any kind, without a wrong answer."""
+
+import pickle
+
+import numpy as np
+import pytest
+from conftest import TETRAHEDRON, box_mesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import bitvox
+from bitvox import Mesh
+
+V, F = box_mesh((0, 0, 0), (8, 6, 4))
+WANTED = bitvox.voxelize((V, F), spacing=1.0)
+
+
+def solid(vertices, faces):
+    return bitvox.voxelize((vertices, faces), spacing=1.0)
+
+
+@pytest.mark.parametrize("dtype", ["f2", "f4", "f8", ">f4", ">f8", "i1", "u1", "i2", ">i4", "i8", "u8", np.longdouble])
+def test_vertices_of_any_type(dtype):
+    assert solid(V.astype(dtype), F) == WANTED
+
+
+@pytest.mark.parametrize("dtype", ["i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", ">i2", ">u4", ">i8"])
+def test_faces_of_any_type(dtype):
+    assert solid(V, F.astype(dtype)) == WANTED
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.sampled_from(["f4", "f8"]), st.sampled_from(["i4", "u4", "i8", "u2"]), st.integers(1, 3), st.integers(0, 2),
+       st.sampled_from(["C", "F", "columns", "backwards", "rows"]))
+def test_any_strides(vtype, ftype, step, spare, how):
+    def lay(array, dtype):
+        array = array.astype(dtype)
+        if how == "F":
+            return np.asfortranarray(array)
+        if how == "columns":  # columns of a wider table
+            wide = np.full((len(array) * step, 3 + spare), 99, dtype)
+            wide[::step, spare:] = array
+            return wide[::step, spare:]
+        if how == "backwards":
+            return array[::-1].copy()[::-1]
+        if how == "rows":
+            wide = np.full((len(array), 3 * (spare + 1)), 7, dtype)
+            wide[:, :: spare + 1] = array
+            return wide[:, :: spare + 1]
+        return array
+
+    mesh = Mesh(lay(V, vtype), lay(F, ftype))
+    assert np.array_equal(mesh.vertices, V) and np.array_equal(mesh.faces, F)
+    assert bitvox.voxelize(mesh, spacing=1.0) == WANTED
+    assert mesh.content_hash() == Mesh(V.astype(vtype), F).content_hash()
+
+
+def test_arrays_are_borrowed_where_they_can_be():
+    wide = np.zeros((8, 6))
+    wide[:, :3] = V
+    mesh = Mesh(wide[:, :3], F)
+    assert np.shares_memory(mesh.vertices, wide) and np.shares_memory(mesh.faces, F)
+    V2, F2 = V.copy(), F.copy()
+    V2.flags.writeable = F2.flags.writeable = False
+    assert solid(V2, F2) == WANTED
+
+
+def test_unaligned_arrays():
+    raw = np.zeros(8 * 24 + 1, np.uint8)
+    odd = raw[1:].view("f8").reshape(8, 3)
+    odd[:] = V
+    assert not odd.flags.aligned and solid(odd, F) == WANTED
+
+
+@pytest.mark.parametrize("dtype", ["i1", "i2", "i4", "i8"])
+def test_negative_faces_are_named(dtype):
+    bad = F.astype(dtype)
+    bad[5, 1] = -1
+    with pytest.raises(bitvox.RangeError, match=r"faces\[5, 1\] is -1"):
+        bitvox.check((V, bad))
+    with pytest.raises(bitvox.RangeError, match=r"faces\[5, 1\] is -1"):
+        solid(V, bad)
+    with pytest.raises(bitvox.RangeError, match=r"faces\[5, 1\] is -1"):
+        bitvox.dumps((V, bad), "ply")
+
+
+def test_faces_beyond_the_vertices():
+    bad = F.copy()
+    bad[3, 2] = 8
+    with pytest.raises(bitvox.RangeError, match="3"):
+        bitvox.check((V, bad))
+    bad[3, 2] = 2**40
+    with pytest.raises(bitvox.RangeError):
+        solid(V, bad)
+    with pytest.raises(bitvox.RangeError):
+        Mesh(V, bad).content_hash()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_vertices_that_are_no_numbers_are_named(value):
+    bad = V.copy()
+    bad[6, 1] = value
+    with pytest.raises(bitvox.RangeError, match="6"):
+        bitvox.check((bad, F))
+    with pytest.raises(ValueError, match="6"):
+        solid(bad, F)
+
+
+def test_refused_values():
+    for vertices in (V.astype(complex), V.astype(object), V.astype(str), V > 1):
+        with pytest.raises(TypeError):
+            Mesh(vertices, F)
+    for faces in (F.astype(float), F > 1, F.astype(object)):
+        with pytest.raises(TypeError):
+            Mesh(V, faces)
+    for vertices in (V[:, :2], V.ravel(), V[None]):
+        with pytest.raises(bitvox.ArgumentError):
+            Mesh(vertices, F)
+    for faces in (F[:, :2], F.ravel(), np.zeros((2, 4), int)):
+        with pytest.raises(bitvox.ArgumentError):
+            Mesh(V, faces)
+    with pytest.raises(bitvox.RangeError, match="2\\*\\*53"):
+        Mesh(np.full((3, 3), 2**60 + 1), [[0, 1, 2]])
+    with pytest.raises(bitvox.ArgumentError, match="masked"):
+        Mesh(np.ma.masked_greater(V, 5), F)
+    with pytest.raises(bitvox.ArgumentError):
+        Mesh([[0, 0, 0], [1, 0]], F)
+    with pytest.raises(bitvox.ArgumentError, match="threes"):
+        Mesh(V)
+    with pytest.raises(TypeError):
+        bitvox.check(3)
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.check((V, F, F))
+
+
+def test_soup_and_lists():
+    triangles = V[F]
+    assert bitvox.voxelize(triangles, spacing=1.0) == WANTED
+    assert bitvox.voxelize(Mesh(triangles.reshape(-1, 3)), spacing=1.0) == WANTED
+    assert solid(V.tolist(), F.tolist()) == WANTED
+    assert solid(tuple(map(tuple, V.tolist())), [tuple(f) for f in F.tolist()]) == WANTED
+    soup = Mesh(triangles)
+    assert soup.n_faces == 12 and soup.faces.tolist() == np.arange(36).reshape(12, 3).tolist()
+    assert not soup.check().closed and soup.check(weld=True).closed
+
+
+def test_empty():
+    empty = Mesh(np.zeros((0, 3)), np.zeros((0, 3), int))
+    assert not empty.check().closed and empty.n_faces == 0
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.voxelize(empty)
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.voxelize((V, np.zeros((0, 3), int)))
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.voxelize(([], []))
+
+
+def test_certificate():
+    found = bitvox.check((V, F))
+    assert found.closed and found.edge_manifold and found.vertex_manifold and found.oriented
+    assert (found.vertices, found.edges, found.triangles, found.euler) == (8, 18, 12, 2)
+    assert found.volume == 192.0 and found.area == 208.0 and found.high == (8.0, 6.0, 4.0)
+    assert isinstance(found.closed, bool)
+    opened = bitvox.check((V, F[1:]))
+    assert not opened.closed and opened.boundary_edges == 3
+
+
+def test_types_as_asked():
+    mesh = bitvox.surface(WANTED)
+    assert mesh.vertices.dtype == np.float32 and mesh.faces.dtype == np.uint32
+    wide = mesh.astype("float64", "int64")
+    assert wide.vertices.dtype == np.float64 and wide.faces.dtype == np.int64
+    assert np.array_equal(wide.faces, mesh.faces)
+    assert np.shares_memory(mesh.astype().vertices, mesh.vertices)
+    assert bitvox.surface(WANTED, dtype="float64").vertices.dtype == np.float64
+    assert bitvox.surface(WANTED, dtype=np.float64).vertices.dtype == np.float64
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.surface(WANTED, dtype="float16")
+    with pytest.raises(bitvox.RangeError):
+        Mesh(np.zeros((300, 3)), [[0, 1, 299]]).astype(faces="uint8")
+
+
+def test_arrays_outlive_the_mesh():
+    mesh = bitvox.surface(WANTED)
+    vertices, faces, expected = mesh.vertices, mesh.faces, mesh.vertices.copy()
+    del mesh
+    for _ in range(50):
+        bitvox.surface(WANTED)
+    assert np.array_equal(vertices, expected) and faces.max() < len(vertices)
+
+
+def test_pickle_equality_repr():
+    mesh = bitvox.surface(WANTED, keys=True)
+    again = pickle.loads(pickle.dumps(mesh))
+    assert again == mesh and again.content_hash() == mesh.content_hash()
+    assert np.array_equal(again.keys[0], mesh.keys[0])
+    assert mesh != Mesh(V, F) and mesh != 3
+    assert repr(Mesh(V, F)) == "Mesh(8 vertices, 12 faces)"
+    certificate = mesh.check()
+    assert pickle.loads(pickle.dumps(certificate)) == certificate
+
+
+def test_float64_where_float32_is_too_coarse():
+    far = (V + [500000.0, 5000000.0, 0.0], F)
+    grid = bitvox.voxelize(far, spacing=0.5)
+    assert bitvox.surface(grid).vertices.dtype == np.float64
+    with pytest.raises(bitvox.RangeError, match="f64"):
+        bitvox.surface(grid, dtype="float32")
+    local = bitvox.surface(grid, dtype="float32", local_frame=True)
+    assert local.frame == grid.corner
+    assert np.allclose(local.in_world(), bitvox.surface(grid).vertices)
+    assert bitvox.lod(grid, levels=4)[0].vertices.dtype == np.float64
+
+
+def test_colours_and_uvs():
+    mesh = Mesh(V, F, colours=np.linspace(0, 1, 24).reshape(8, 3))
+    assert mesh.colours.shape == (8, 4) and (mesh.colours[:, 3] == 255).all()
+    assert mesh.colours[7].tolist() == [233, 244, 255, 255]
+    back = bitvox.loads(bitvox.dumps(mesh, "ply"), "ply")
+    assert np.array_equal(back.colours, mesh.colours)
+    level = bitvox.lod(mesh, levels=8, carry=True)[0]
+    assert level.colours.shape == (level.n_vertices, 4) and level.colours[:, 0].max() > 150
+    painted = bitvox.carry(mesh, bitvox.surface(WANTED))
+    assert painted.colours.shape == (painted.n_vertices, 4)
+    again = bitvox.carry(Mesh(V, F, colours=np.full((8, 3), 9)), painted)
+    assert (again.colours[:, :3] == 9).all() and not (painted.colours[:, :3] == 9).all()
+    textured = Mesh(V, F, uvs=V[:, :2] / 8)
+    assert np.allclose(bitvox.carry(textured, Mesh(V, F)).uvs, V[:, :2] / 8)
+    for bad in (np.zeros((7, 3)), np.zeros((8, 2)), np.full((8, 3), 300), np.full((8, 3), -0.5), np.full((8, 3), np.nan)):
+        with pytest.raises(ValueError):
+            Mesh(V, F, colours=bad)
+    with pytest.raises(ValueError):
+        Mesh(V, F, uvs=np.zeros((8, 2)), uv_faces=np.full((12, 3), 8))
+
+
+def test_closest_against_brute_force():
+    tetra = TETRAHEDRON
+    closest = bitvox.Closest(tetra)
+    points = np.random.default_rng(4).normal(size=(50, 3))
+    found = closest.find(points)
+    weights = np.random.default_rng(5).dirichlet([0.4, 0.4, 0.4], 20000)
+    samples = np.concatenate([weights @ tetra[0][f] for f in tetra[1]])
+    brute = np.sqrt(((points[:, None] - samples) ** 2).sum(-1)).min(1)
+    assert (found["distance"] <= brute + 1e-12).all() and (brute - found["distance"] < 0.05).all()
+    corners = tetra[0][tetra[1][found["triangle"]]]
+    assert np.allclose((found["weight"][..., None] * corners).sum(1), found["position"])
+    assert closest.find([0.0, 0.0, 0.0])["feature"][0] >= 4

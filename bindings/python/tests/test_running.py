@@ -1,0 +1,318 @@
+"""Errors, limits, progress, cancellation, threads, forks, leaks."""
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from conftest import TETRAHEDRON, ball_grid
+
+import bitvox
+
+MAIN_THREAD_ONLY = pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+
+
+def run(code, **environment):
+    """A fresh interpreter."""
+    return subprocess.run([sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, timeout=300,
+                          env={**os.environ, **environment}, check=False)
+
+
+def test_errors_are_what_python_users_catch():
+    with pytest.raises(ValueError) as caught:
+        bitvox.voxelize(([], []))
+    assert isinstance(caught.value, bitvox.EmptyError) and caught.value.code == 6 and caught.value.name == "BVX_ERR_EMPTY"
+    with pytest.raises(MemoryError) as caught:
+        bitvox.voxelize(TETRAHEDRON, resolution=512, memory_limit=1000)
+    assert isinstance(caught.value, bitvox.MemoryLimitError)
+    with pytest.raises(NotImplementedError):
+        bitvox.loads(b"", "docx")
+    with pytest.raises(bitvox.FormatError, match="byte|line|header|short|size"):
+        bitvox.loads(b"not a mesh", "ply")
+
+
+def test_settings_nest_and_end():
+    with bitvox.settings(memory_limit=1000):
+        with pytest.raises(bitvox.MemoryLimitError):
+            bitvox.voxelize(TETRAHEDRON, resolution=256)
+        with bitvox.settings(threads=1):
+            with pytest.raises(bitvox.MemoryLimitError):
+                bitvox.voxelize(TETRAHEDRON, resolution=256)
+            assert bitvox.voxelize(TETRAHEDRON, resolution=256, memory_limit=2**30).count > 0
+    assert bitvox.voxelize(TETRAHEDRON, resolution=256).count > 0
+
+
+def test_progress_and_cancellation():
+    seen = []
+    grid = bitvox.voxelize(TETRAHEDRON, resolution=300, progress=lambda stage, fraction: seen.append((stage, fraction)))
+    assert len(seen) > 3 and all(isinstance(s, str) and 0 <= f <= 1 for s, f in seen)
+    assert grid == bitvox.voxelize(TETRAHEDRON, resolution=300)
+    with pytest.raises(bitvox.Cancelled):
+        bitvox.voxelize(TETRAHEDRON, resolution=300, progress=lambda stage, fraction: False)
+    with bitvox.settings(progress=lambda stage, fraction: False):
+        with pytest.raises(bitvox.Cancelled):
+            bitvox.surface(grid)
+
+    class Mine(Exception):
+        pass
+
+    def fail(stage, fraction):
+        raise Mine(stage)
+
+    with pytest.raises(Mine):
+        bitvox.lod(TETRAHEDRON, levels=16, progress=fail)
+    with pytest.raises(TypeError):
+        bitvox.surface(grid, progress=3)
+
+
+def test_calls_inside_a_progress_callable():
+    inner = []
+    bitvox.voxelize(TETRAHEDRON, resolution=64, progress=lambda s, f: inner.append(bitvox.voxelize(TETRAHEDRON, resolution=8).count))
+    assert len(set(inner)) == 1
+
+
+def test_bar():
+    pytest.importorskip("tqdm")
+    assert bitvox.voxelize(TETRAHEDRON, resolution=64, progress=True).count > 0
+
+
+def test_missing_extra_is_named():
+    found = run("""
+        import sys
+        sys.modules["tqdm"] = None
+        sys.modules["pyvista"] = None
+        import bitvox
+        for call in (lambda: bitvox.voxelize(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), resolution=4, progress=True),
+                     lambda: bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).to_pyvista()):
+            try:
+                call()
+            except ImportError as error:
+                assert isinstance(error, bitvox.Error) and "pip install 'bitvox[view]'" in str(error), error
+            else:
+                raise SystemExit("no error")
+        """)
+    assert found.returncode == 0, found.stderr
+
+
+@MAIN_THREAD_ONLY
+def test_interrupt_ends_a_call():
+    found = run("""
+        import os, signal, threading, time, bitvox
+        signal.signal(signal.SIGINT, signal.default_int_handler)   # jobs in the background begin with it ignored
+        threading.Timer(0.4, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        start = time.monotonic()
+        try:
+            while time.monotonic() - start < 60:
+                bitvox.voxelize(([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]),
+                                resolution=600, threads=1)
+        except KeyboardInterrupt:
+            print("interrupted", time.monotonic() - start)
+            assert bitvox.voxelize(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), resolution=4, padding=1).count >= 0
+        """)
+    assert found.returncode == 0 and found.stdout.startswith("interrupted"), found.stderr
+    assert found.stderr == ""  # no word about an exception that was ignored
+
+
+def everything(mesh, grid):
+    """One call of each kind, as hashes."""
+    solid = bitvox.voxelize(mesh, resolution=40)
+    tree = bitvox.refine(mesh, levels=2)
+    closest = bitvox.Closest(mesh)
+    surface = bitvox.surface(grid, keys=True)
+    found = []
+    if hasattr(bitvox._run.lib, "bvx_measure_field") and hasattr(bitvox._run.lib, "bvx_extract_field_surface"):
+        measured = bitvox.field(mesh, resolution=12, features=True)
+        found = [measured.distances.tobytes(), measured.to_numpy().tobytes(), measured.surface().content_hash()]
+    if hasattr(bitvox._run.lib, "bvx_repair"):
+        found.append(bitvox.repair(mesh, resolution=16).content_hash())
+    return [
+        *found,
+        solid.content_hash(), bitvox.voxelize(mesh, resolution=30, mode="conservative", attached=True).content_hash(),
+        surface.content_hash(), bitvox.faces(grid).content_hash(), bitvox.merge([surface]).content_hash(),
+        [level.content_hash() for level in bitvox.lod(solid, levels=(12, 6))], bitvox.check(mesh), bitvox.compare(mesh, surface, samples=200),
+        grid.compare(~grid), bitvox.compare_fills(mesh, resolution=12).counts, tree.counts(), tree.leaves().tobytes(),
+        tree.surface().content_hash(), closest.find([[1.0, 2, 3]]).tobytes(), grid.cast([[0.0, 0, 0, 1, 1, 1]]).tobytes(),
+        grid.sample([[3.0, 3, 3]]).tolist(), bitvox.find_seed(solid)[0], bitvox.dumps(mesh, "obj"), bitvox.dumps(grid, "bvx"),
+        bitvox.loads(bitvox.dumps(mesh, "ply"), "ply").content_hash(), bitvox.render(mesh, size=(40, 30)).png(),
+        bitvox.render(grid, size=(40, 30), slices=("z", 2)).png(), (grid | grid).content_hash(), bitvox.Lattice.fit(mesh, resolution=9),
+    ]
+
+
+def test_every_function_from_four_threads(ball):
+    grid = bitvox.Grid.from_numpy(ball_grid(16))
+    expected = everything(ball, grid)
+    barrier = threading.Barrier(4)
+
+    def work(_):
+        barrier.wait()
+        return [everything(ball, grid) for _ in range(3)]
+
+    with ThreadPoolExecutor(4) as pool:
+        for results in pool.map(work, range(4)):
+            assert all(r == expected for r in results)
+
+
+def test_threads_do_not_show(ball):
+    grid = bitvox.Grid.from_numpy(ball_grid(16))
+    results = []
+    for threads in (1, 2, 8):
+        with bitvox.settings(threads=threads):
+            results.append(everything(ball, grid))
+    assert results[0] == results[1] == results[2]
+
+
+def test_the_interpreter_runs_on_while_a_call_works():
+    grid = ~bitvox.Grid(bitvox.Lattice((600, 600, 600)))
+    ticks, done = [], threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    start = time.monotonic()
+    bitvox.dumps(grid, "nrrd", threads=1)
+    end = time.monotonic()
+    done.set()
+    thread.join()
+    if end - start < 0.05:
+        pytest.skip("the call was too short to tell")
+    assert sum(start < t < end for t in ticks) >= 3
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_forked_child_works_alone():
+    found = run("""
+        import os, signal, bitvox
+        mesh = ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+        from bitvox._run import Run, lib
+        expected = bitvox.voxelize(mesh, resolution=200, threads=2).content_hash()   # OpenMP's threads are there now
+        child = os.fork()
+        if child == 0:
+            signal.alarm(60)
+            ok = bitvox.voxelize(mesh, resolution=200, threads=2).content_hash() == expected
+            with Run(threads=8) as run:
+                ok = ok and lib.bvx_context_threads(run.context) == 1
+            os._exit(0 if ok else 3)
+        assert os.waitpid(child, 0)[1] == 0
+        with Run(threads=8) as run:
+            assert lib.bvx_context_threads(run.context) == 8
+        import multiprocessing
+        with multiprocessing.get_context("fork").Pool(2) as pool:
+            hashes = pool.map(bitvox.Grid.content_hash, [bitvox.voxelize(mesh, resolution=50)] * 4)
+        assert len(set(hashes)) == 1
+        """)
+    assert found.returncode == 0, found.stderr
+
+
+def resident():
+    with open("/proc/self/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * resource.getpagesize()
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="no /proc here")
+def test_ten_thousand_calls_leak_nothing(tetrahedron, tmp_path):
+    lattice = bitvox.Lattice((32, 32, 32), 1 / 32)
+    data = bitvox.dumps(tetrahedron, "ply")
+    seeds = [[31, 31, 31]]
+    fields = hasattr(bitvox._run.lib, "bvx_measure_field")
+
+    def calls():
+        grid = bitvox.voxelize(tetrahedron, lattice=lattice)
+        grid.surface(keys=True).vertices.sum()
+        bitvox.loads(data, "ply").check()
+        bitvox.refine(tetrahedron, levels=1).leaves()
+        bitvox.Closest(tetrahedron).find([[1, 2, 3]])
+        bitvox.lod(grid, levels=(8, 4))
+        bitvox.render(grid, size=(16, 16)).pixels
+        bitvox.voxelize(tetrahedron, lattice=lattice, mode="thin", attached=True)
+        grid.fill(seeds)
+        if fields:
+            bitvox.field(tetrahedron, lattice=lattice).distances.sum()
+        try:
+            bitvox.voxelize(tetrahedron, lattice=lattice, progress=lambda s, f: False)
+        except bitvox.Cancelled:
+            pass
+        try:
+            bitvox.loads(data[:200], "ply")
+        except bitvox.FormatError:
+            pass
+
+    for _ in range(100):
+        calls()
+    before = resident()
+    for _ in range(900):  # eleven calls each
+        calls()
+    assert resident() - before < 4 << 20
+
+
+def test_without_numpy():
+    found = run("""
+        import sys
+        sys.modules["numpy"] = None
+        from array import array
+        import bitvox
+        v = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        f = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+        grid = bitvox.voxelize((v, f), resolution=32)
+        mesh = grid.surface()
+        assert mesh.check().closed and len(mesh.vertices) == mesh.n_vertices
+        assert mesh.vertices.shape == (mesh.n_vertices, 3) and isinstance(mesh.vertices[0, 0], float)
+        assert mesh.faces[3, 2] < mesh.n_vertices and grid.words.shape[:2] == grid.shape[:0:-1]
+        flat = memoryview(array("f", [x for p in v for x in p])).cast("B").cast("f", [4, 3])
+        short = memoryview(array("H", [x for p in f for x in p])).cast("B").cast("H", [4, 3])
+        assert bitvox.voxelize((flat, short), resolution=32) == grid
+        assert (grid | ~grid).count == 32 ** 3 and grid[0, 0, 0] and grid.count == len(grid)
+        assert bitvox.loads(bitvox.dumps(mesh, "ply"), "ply").content_hash() == mesh.content_hash()
+        assert bitvox.loads(bitvox.dumps(grid, "bvx"), "bvx") == grid
+        assert bitvox.lod((v, f), levels=8)[0].n_faces > 0 and mesh.bounds[0] >= (0, 0, 0)
+        assert bitvox.render(grid, size=(20, 20)).png()[:4] == b"\\x89PNG"
+        assert grid.sample([[0.1, 0.1, 0.1]])[0] == 1.0
+        assert bitvox.refine((v, f), levels=2).counts()
+        for wrong in (lambda: grid.to_numpy(), lambda: bitvox.Grid.from_numpy([[[1]]])):
+            try:
+                wrong()
+            except ImportError as error:
+                assert "numpy" in str(error)
+            else:
+                raise SystemExit("no error")
+        for bad, kind in ((([[0, 0]], f), ValueError), ((v, [[0, 1, -1]]), ValueError), ((v, [[0, 1, 9]]), ValueError),
+                          ((v, [[0, 1, 2 ** 70]]), ValueError), (([[0, 0, float("nan")]] + v[1:], f), ValueError),
+                          ((v, [[0.5, 1, 2]]), TypeError), ((v, [["a", 1, 2]]), TypeError)):
+            try:
+                bitvox.check(bad)
+            except kind:
+                pass
+            else:
+                raise SystemExit(f"no error for {bad}")
+        assert "numpy" not in {name.partition(".")[0] for name, module in sys.modules.items() if module is not None}
+        print("done")
+        """)
+    assert found.stdout == "done\n", found.stderr
+
+
+def test_import_brings_no_numpy():
+    found = run("import sys, bitvox; print('numpy' in sys.modules)")
+    assert found.stdout == "False\n", found.stderr
+
+
+def test_interrupt_of_the_parent_reaches_no_thread(ball):
+    assert signal.getsignal(signal.SIGINT) is not None  # this package installs no handler of its own
+    before = signal.getsignal(signal.SIGINT)
+    bitvox.voxelize(ball, resolution=10)
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_numbers_of_numpy_as_options(ball):
+    assert bitvox.voxelize(ball, resolution=np.int32(16)) == bitvox.voxelize(ball, resolution=16)
+    assert bitvox.voxelize(ball, spacing=np.float32(0.25)).spacing == (0.25,) * 3
+    assert bitvox.lod(ball, levels=np.array([8, 4]))[1].n_faces > 0

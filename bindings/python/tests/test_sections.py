@@ -1,0 +1,110 @@
+"""Section contours, where the library has them."""
+
+import numpy as np
+import pytest
+from conftest import TETRAHEDRON, ball_grid
+
+import bitvox
+from bitvox import Loop, Sections, _native
+
+needs = pytest.mark.skipif(not hasattr(_native.lib, "bvx_build_sections"), reason="this build of the library has no bvx_build_sections")
+
+SQUARE = np.array([[0.0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]])
+
+
+def stack(count=4, step=1.5, points=SQUARE):
+    return [points + [0, 0, i * step] for i in range(count)]
+
+
+@pytest.mark.skipif(hasattr(_native.lib, "bvx_build_sections"), reason="this build has them")
+def test_what_a_build_lacks_is_named(tmp_path):
+    for call in (lambda: bitvox.from_sections(stack()), lambda: bitvox.slice_mesh(TETRAHEDRON, spacing=0.1),
+                 lambda: bitvox.dumps(Sections(stack()), "csl"), lambda: bitvox.loads(b"", "csl")):
+        with pytest.raises(bitvox.UnsupportedError, match="this build"):
+            call()
+
+
+@needs
+def test_prism():
+    mesh = bitvox.from_sections(stack())
+    found = mesh.check()
+    assert found.closed and found.edge_manifold and found.oriented and found.volume == pytest.approx(16 * 4.5)
+    assert mesh.vertices.dtype == np.float64 and mesh.report.sections == 4 and mesh.report.prismoid_volume == pytest.approx(72)
+    corners = {tuple(v) for v in mesh.vertices.tolist()}
+    assert all(tuple(p) in corners for loop in stack() for p in loop.tolist())  # contour points are vertices
+    hole = Sections(stack() + stack(points=SQUARE / 2 + [1, 1, 0]))
+    assert hole.surface(grid=(20, 20)).check().volume == pytest.approx(12 * 4.5, rel=1e-3)
+    assert not bitvox.from_sections(stack(), caps="open").check().closed
+    assert bitvox.from_sections(stack(), caps="taper", dtype="float32", layers=2, spacing=0.5).check().closed
+    turned = Sections([loop[:, [2, 0, 1]] for loop in stack()], (1, 0, 0))
+    assert turned.surface().check().volume == pytest.approx(72)
+
+
+@needs
+def test_labels_and_refusals():
+    both = Sections([Loop(p, "ore") for p in stack()] + [Loop(p + [9, 0, 0], "waste") for p in stack(3)])
+    assert both.surface(label="ore").check().volume == pytest.approx(72)
+    assert both.surface(label="waste").check().volume == pytest.approx(48)
+    with pytest.raises(bitvox.ArgumentError):
+        both.surface()
+    with pytest.raises(bitvox.ArgumentError, match="gold"):
+        both.surface(label="gold")
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.from_sections(stack(1))
+    crossed = SQUARE[[0, 2, 1, 3]]
+    with pytest.raises(bitvox.FormatError):
+        bitvox.from_sections(stack(points=crossed))
+    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"depth": 9}, {"crossings": "x"}):
+        with pytest.raises(bitvox.Error):
+            bitvox.from_sections(stack(), **options)
+
+
+@needs
+def test_slices_of_a_mesh():
+    ball = bitvox.surface(ball_grid(), dtype="float64")
+    sections = bitvox.slice_mesh(ball, spacing=1.0)
+    assert len(sections) > 15 and sections.labels == ["1"] and sections.normal == (0.0, 0.0, 1.0)
+    assert abs(sections.surface().check().volume / ball.check().volume - 1) < 0.05
+    one = bitvox.slice_mesh(ball, positions=[12.0], normal=(0, 2, 0), label=7)
+    assert len(one) == 1 and (one.loops[0].points[:, 1] == 12.0).all() and one.loops[0].label == "7"
+    for options in ({}, {"spacing": 1.0, "positions": [1.0]}, {"spacing": -1.0}, {"positions": []}, {"spacing": 1, "normal": (0, 0, 0)}):
+        with pytest.raises(bitvox.Error):
+            bitvox.slice_mesh(ball, **options)
+    points = sections.loops[0].points
+    expected = points.copy()
+    del sections
+    bitvox.slice_mesh(ball, spacing=1.0)
+    assert np.array_equal(points, expected)
+
+
+@needs
+@pytest.mark.parametrize("ending", ["csl", "csv", "csl.gz"])
+def test_files(tmp_path, ending):
+    sections = Sections([Loop(p + [0.1, 0.2, 0.3], "3") for p in stack()])
+    sections.save(tmp_path / f"a.{ending}")
+    back = bitvox.read(tmp_path / f"a.{ending}")
+    assert back.positions == sections.positions and back.section_of == sections.section_of
+    assert all(np.array_equal(a.points, b.points) and a.label == b.label for a, b in zip(back.loops, sections.loops))
+    assert b"<svg" in bitvox.dumps(sections, "svg")[:400]
+    with pytest.raises(bitvox.FormatError):
+        bitvox.loads(b"nonsense", "csl")
+    with pytest.raises(bitvox.UnsupportedError):
+        bitvox.dumps(sections, "ply")
+
+
+@needs
+def test_loops_left_open_in_csv():
+    lines = "section,position,loop,x,y\n" + "".join(f"{s},{s},0,{x},{y}\n" for s in (0, 1) for x, y in ((0, 0), (4, 0), (4, 4), (0, 4)))
+    assert bitvox.loads(lines.encode(), "csv").surface().check().volume == pytest.approx(16)
+    with pytest.raises(bitvox.FormatError):
+        bitvox.loads(lines.encode(), "csv", close_gap=0.5)
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.loads(b"", "ply", close_gap=1.0)
+
+
+@needs
+def test_bishop(shared):
+    sections = bitvox.read(shared("contours/orex_SideBishop.csl"))
+    assert len(sections) == 10 and len(sections.loops) == 22
+    found = sections.surface(grid=(40, 40)).check()
+    assert found.closed and found.edge_manifold and found.oriented
