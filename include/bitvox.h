@@ -954,8 +954,8 @@ enum {
 typedef struct bvx_field {
     bvx_grid band;        /**< set: centres that have a value */
     bvx_grid inside;      /**< set: centres inside, in all of the window; all zero, without words, for BVX_SIGN_NONE. NORMAL,
-                               PSEUDONORMAL: beyond the band as the first side that comes from it, a voxel a step through faces;
-                               outside where both come at once */
+                               PSEUDONORMAL: beyond the band as the first side that comes from it, a voxel a step through faces,
+                               and outside where both come at once */
     uint64_t *row_values; /**< number of each row's first value, row z * size[1] + y [Size: rows + 1] */
     uint64_t value_count; /**< row_values[rows] */
     void *vectors;        /**< from the centre to the closest point, x y z; float or double [Size: value_count * 3] [Units: world] */

@@ -265,6 +265,7 @@ static void solid_cases(golden *g)
 }
 
 #include "voxel_cases.h"
+#include "field_cases.h"
 
 static const struct {
     const char *file;
@@ -276,6 +277,8 @@ static const struct {
     {"voxel_surface", voxel_surface_cases},
     {"fills", fill_cases},
     {"octree", octree_cases},
+    {"field", field_cases},
+    {"repair", repair_cases},
 };
 
 /* ---- Files ---- */

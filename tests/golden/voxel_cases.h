@@ -76,11 +76,11 @@ static void voxel_surface_cases(golden *g)
 
 static void fill_rules(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution)
 {
-    static const char *const rule[] = {"parity", "nonzero", "vote", "flood", "regions", "below"};
+    static const char *const rule[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding"};
     bvx_lattice lattice;
     golden_begin(g, name);
     if (golden_good(g, bvx_lattice_fit(g->context, view, resolution, &lattice)))
-        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_BELOW; fill++) {
+        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_WINDING; fill++) {
             bvx_voxelize_options o;
             bvx_grid grid = {0};
             bvx_status status;

@@ -1,0 +1,89 @@
+/* field_cases.h - golden cases of distance fields, their surfaces and repair; read in by golden.c. */
+#ifndef FIELD_CASES_H
+#define FIELD_CASES_H
+
+static void mesh_value(golden *g, const char *key, bvx_status status, bvx_mesh *mesh)
+{
+    uint64_t hash = 0;
+    if (golden_good(g, status) && golden_good(g, bvx_mesh_hash(g->context, mesh, &hash))) golden_hex(g, key, hash);
+    bvx_mesh_free(g->context, mesh);
+}
+
+/* Fields by every sign: the file's bytes, and the surface by every interpolation. */
+static void field_values(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution)
+{
+    static const char *const sign[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none"};
+    static const char *const edge[] = {"vector", "scalar", "middle", "paper", "tangent"};
+    bvx_lattice_options fit;
+    bvx_lattice lattice;
+    bvx_lattice_options_init(&fit, sizeof fit);
+    fit.resolution = resolution;
+    fit.padding = 3;
+    golden_begin(g, name);
+    if (golden_good(g, bvx_lattice_fit_with(g->context, view, &fit, &lattice)))
+        for (int32_t s = BVX_SIGN_EXACT; s <= BVX_SIGN_NONE; s++) {
+            bvx_field_options o;
+            bvx_field field = {0};
+            bvx_buffer file = {0};
+            bvx_field_options_init(&o, sizeof o);
+            o.sign = s;
+            o.features = 1;
+            if (!golden_good(g, bvx_measure_field(g->context, view, &lattice, &o, &field))) break;
+            if (golden_good(g, bvx_write_field(g->context, &field, s & 1, BVX_FORMAT_NRRD, &file)))
+                golden_hex(g, sign[s], bvx_hash(file.bytes, (size_t)file.size, field.value_count));
+            bvx_buffer_free(g->context, &file);
+            for (int32_t e = 0; s == BVX_SIGN_WINDING && e < 10; e++) {
+                bvx_field_surface_options so;
+                bvx_mesh mesh = {0};
+                bvx_field_surface_options_init(&so, sizeof so);
+                so.interpolation = e % 5;
+                so.sharp = e / 5;
+                if (so.sharp) golden_text(g, "sharp", "1");
+                mesh_value(g, edge[e % 5], bvx_extract_field_surface(g->context, &field, view, &so, &mesh), &mesh);
+            }
+            bvx_field_free(g->context, &field);
+        }
+    golden_end(g);
+}
+
+static void field_cases(golden *g)
+{
+    bvx_mesh_view view;
+    shape_torus(&golden_shape, 96, 40, 0.25, 7);
+    shape_view(&golden_shape, &view);
+    field_values(g, "torus_40", &view, 40);
+    shape_soup(&golden_shape, 300, 11);
+    shape_view(&golden_shape, &view);
+    field_values(g, "soup_24", &view, 24);
+}
+
+static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution, int32_t sign)
+{
+    golden_begin(g, name);
+    for (int32_t sharp = 0; sharp < 2; sharp++) {
+        bvx_repair_options o;
+        bvx_mesh mesh = {0};
+        bvx_repair_options_init(&o, sizeof o);
+        o.resolution = resolution;
+        o.sign = sign;
+        o.sharp = sharp;
+        mesh_value(g, sharp ? "sharp" : "plain", bvx_repair(g->context, view, &o, &mesh), &mesh);
+    }
+    golden_end(g);
+}
+
+static void repair_cases(golden *g)
+{
+    bvx_mesh_view view;
+    shape_torus(&golden_shape, 96, 40, 0.25, 7);
+    shape_view(&golden_shape, &view);
+    view.triangle_count -= 700;
+    repair_values_of(g, "torus_48_open", &view, 48, BVX_SIGN_AUTO);
+    repair_values_of(g, "torus_48_open_vote", &view, 48, BVX_SIGN_VOTE);
+    shape_soup(&golden_shape, 300, 11);
+    shape_view(&golden_shape, &view);
+    repair_values_of(g, "soup_32", &view, 32, BVX_SIGN_AUTO);
+    repair_values_of(g, "soup_32_vote", &view, 32, BVX_SIGN_VOTE);
+}
+
+#endif
