@@ -139,6 +139,7 @@ static void test_every_allocation_of_refinement_fails_once(void **state)
     for (int32_t threads = 1; threads <= 3; threads += 2)
         for (int32_t start = 0; start <= WITH_TOLERANCE; start += start == 4 ? 6 : start == WITH_WINDOW ? 1 : 2) {
             bvx_context_options o = default_options();
+            if (threads > 1 && start != 2) continue; /* one start stands for the others there */
             refine_run run = run_of(start);
             uint64_t allocations = 0;
             o.threads = threads;
@@ -153,6 +154,7 @@ static void test_refinement_cancels_at_every_progress_call(void **state)
     for (int32_t threads = 1; threads <= 3; threads += 2)
         for (int32_t start = 0; start <= WITH_TOLERANCE; start += start == 4 ? 6 : start == WITH_WINDOW ? 1 : 2) {
             bvx_context_options o = default_options();
+            if (threads > 1 && start != 2) continue;
             refine_run run = run_of(start);
             uint64_t calls = 0;
             o.threads = threads;

@@ -18,7 +18,7 @@ static bvx_status repair_once(void *user, bvx_context *ctx)
     uint64_t hash;
     (void)user;
     bvx_repair_options_init(&o, sizeof o);
-    o.resolution = 20;
+    o.resolution = 14;
     o.least_part = 5;
     o.least_cavity = 5;
     o.sharp = 1;

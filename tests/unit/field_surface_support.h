@@ -54,6 +54,7 @@ static inline bvx_field_surface_options surface_options(int32_t sharp)
 {
     bvx_field_surface_options o;
     bvx_field_surface_options_init(&o, sizeof o);
+    o.interpolation = BVX_EDGE_VECTOR;
     o.sharp = sharp;
     return o;
 }

@@ -122,7 +122,7 @@ static void test_rows_along_each_axis(void)
 /* Every corner on a centre: rows that meet planes, edges and corners, along all axes. */
 static void test_rows_through_corners(void)
 {
-    for (int32_t trial = 0; trial < (quick ? 40 : 300); trial++) {
+    for (int32_t trial = 0; trial < (quick ? 12 : 300); trial++) {
         bvx_lattice const l = lattice_of(6, 5, 7);
         double const low[3] = {-0.5, -0.5, -0.5}, high[3] = {6.5, 5.5, 7.5};
         maker_clear(&mesh);
@@ -143,7 +143,7 @@ static int runs_one_way(const bvx_lattice *l)
 static void test_sheets_through_centres(void)
 {
     uint64_t unsure = 0;
-    for (int32_t trial = 0; trial < (quick ? 80 : 500); trial++) {
+    for (int32_t trial = 0; trial < (quick ? 20 : 500); trial++) {
         bvx_lattice const l = lattice_of(9, 8, 10);
         maker_clear(&mesh);
         for (int32_t n = 0; n <= trial % 5; n++) {
@@ -172,7 +172,7 @@ static void test_triangles_that_have_nothing_to_do_with_each_other(void)
 static void test_bodies_with_holes(void)
 {
     uint64_t unsure = 0;
-    for (int32_t trial = 0; trial < (quick ? 8 : 30); trial++) {
+    for (int32_t trial = 0; trial < (quick ? 3 : 30); trial++) {
         bvx_lattice l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1], shapes[trial % SHAPES][2]);
         maker_clear(&mesh);
         make_stars(1 + trial % 3, &l, trial % 4 == 0 ? 2 : 65536, 1 << trial % 6);
@@ -226,7 +226,7 @@ static void assert_parity_vote_and_regions_agree(const bvx_lattice *l)
 
 static void test_closed_meshes_are_their_parity(void)
 {
-    for (int32_t trial = 0; trial < (quick ? 20 : 200); trial++) {
+    for (int32_t trial = 0; trial < (quick ? 6 : 200); trial++) {
         int32_t const *const n = shapes[trial % SHAPES];
         bvx_lattice const l = lattice_of(n[0], n[1], n[2]);
         maker_clear(&mesh);
@@ -238,7 +238,7 @@ static void test_closed_meshes_are_their_parity(void)
 
 static void test_sets_of_cubes_on_planes_and_on_centres(void)
 {
-    for (int32_t trial = 0; trial < (quick ? 10 : 60); trial++) {
+    for (int32_t trial = 0; trial < (quick ? 4 : 60); trial++) {
         int32_t const n[3] = {1 + maker_below(&seed, 20), 1 + maker_below(&seed, 20), 1 + maker_below(&seed, 20)};
         double const at[3] = {trial % 2 ? 0.5 : 0, trial % 3 == 1 ? 0.5 : 0, trial % 4 > 1 ? 0.5 : 0};
         bvx_lattice const l = lattice_of(n[0] + 1, n[1] + 1, n[2] + 1);
@@ -257,7 +257,7 @@ static void test_sets_of_cubes_on_planes_and_on_centres(void)
 
 static void test_windows_are_cut_out_of_the_whole(void)
 {
-    for (int32_t trial = 0; trial < (quick ? 6 : 40); trial++) {
+    for (int32_t trial = 0; trial < (quick ? 3 : 40); trial++) {
         bvx_lattice const l = lattice_of(75, 20, 18);
         bvx_grid whole;
         maker_clear(&mesh);
@@ -284,7 +284,7 @@ static void test_windows_are_cut_out_of_the_whole(void)
 
 static void test_order_and_orientation_change_nothing(void)
 {
-    for (int32_t trial = 0; trial < (quick ? 10 : 60); trial++) {
+    for (int32_t trial = 0; trial < (quick ? 4 : 60); trial++) {
         bvx_lattice const l = lattice_of(40, 30, 34);
         bvx_grid a, b;
         maker_clear(&mesh);
