@@ -442,7 +442,7 @@ enum {
     BVX_FILL_REGIONS = 4, /**< each region that the conservative surface leaves (connected through faces) is inside or outside as
                                a whole: keeps cavities; the surface's own voxels vote */
     BVX_FILL_BELOW = 5,   /**< all that lies under a terrain, or between two */
-    BVX_FILL_WINDING = 6  /**< generalized winding number above a half either way: where rows balance it is NONZERO, holes close
+    BVX_FILL_WINDING = 6  /**< generalized winding number above a half, either way: without open edges it is NONZERO, holes close
                                smoothly; overlapping parts are one, flipped triangles are not for it */
 };
 
@@ -502,6 +502,10 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  *          directions as seen from it, to be exact: when the whole number nearest to its solid angle in turns is odd, once the
  *          open edges (those of an odd number of triangles) have been taken for loops in the triangles' direction. No orientation
  *          of triangles plays a part but theirs. That angle is computed in doubles, the same everywhere, to 1e-8.
+ * WINDING  inside is where the mesh's solid angle, in turns and with its sign, is beyond 1/2 or -1/2: crossings along x as whole
+ *          numbers, and the angle of a sheet over the open edges, those that triangles run along more often one way than the
+ *          other. That angle is computed in doubles, the same everywhere, to 1e-8; what is nearer to a half than that counts as a
+ *          half, which is outside. Without open edges NONZERO bit for bit.
  * REGIONS  a region whose sure centres all lie on one side lies there as a whole; in one that has both (a hole joins them) or
  *          none each centre keeps its own vote, and the report counts it.
  * FLOOD    beyond the lattice is outside. Voxels of the surface, and those that closing gaps put to it, vote.
@@ -515,16 +519,19 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  * BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
  * Memory: the grid, 16 bytes a vertex, 1 a row, 100 KiB for each 4096 triangles up to 6.3 MiB, 160 KiB a worker; rows
  * filled from lists (nonzero, or where rows do not balance): 8 bytes a row and 4 a crossing of theirs. VOTE: two more
- * grids; where there are holes 24 bytes a triangle and 12 a vertex, then about 200 an open edge. REGIONS, FLOOD: that, and what
+ * grids. WINDING, and VOTE where there are holes: 16 bytes a vertex (30 where triangles share none), then about 200 an open edge, 8
+ * a row and 170 KiB a worker; WINDING also as nonzero. REGIONS, FLOOD: that, and what
  * bvx_voxelize_surface needs, its grid, 4 bytes a run of empty voxels and 16 for those of a slice and two rows; closing gaps:
  * a grid of close_gaps more voxels a side. BELOW: one more grid unless axis is 0, 4 bytes a column and mesh, a second mesh's
  * vertices and buffers. check_edges: as bvx_mesh_check.
- * Cost: O(vertices + triangles + crossings + words), VOTE three times that and, for centres that are not sure, up to
- * O(open edges) each, near O(log open edges) at a distance from holes; REGIONS, FLOOD: and that of bvx_voxelize_surface and
+ * Cost: O(vertices + triangles + crossings + words), VOTE three times that; VOTE and WINDING also, for each centre
+ * near a place where the angle is a half, and for bricks of centres elsewhere near holes, O(open edges) at most, far fewer for
+ * those of other holes; REGIONS, FLOOD: and that of bvx_voxelize_surface and
  * O(runs); closing gaps O(words * log gap). Local but for REGIONS and FLOOD: a window holds the bits of the whole there.
  * Source: scanline solid of "LOD by voxelization and downsampling" 2.3, with an exact tie rule in place of offsets;
  * Nooruddin, Turk 2003 (votes of axes); Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using
- * Generalized Winding Numbers. 2013 (all directions).
+ * Generalized Winding Numbers. 2013 (winding; all directions); Barill, Dickson, Schmidt, Levin, Jacobson. Fast Winding Numbers for
+ * Soups and Clouds. 2018.
  */
 BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                       const bvx_voxelize_options *options, bvx_grid *solid);
