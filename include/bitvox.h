@@ -442,7 +442,7 @@ enum {
     BVX_FILL_REGIONS = 4, /**< each region that the conservative surface leaves (connected through faces) is inside or outside as
                                a whole: keeps cavities; the surface's own voxels vote */
     BVX_FILL_BELOW = 5,   /**< all that lies under a terrain, or between two */
-    BVX_FILL_WINDING = 6  /**< generalized winding number above a half either way: where rows balance it is NONZERO, holes close
+    BVX_FILL_WINDING = 6  /**< generalized winding number above a half, either way: without open edges it is NONZERO, holes close
                                smoothly; overlapping parts are one, flipped triangles are not for it */
 };
 
@@ -502,6 +502,10 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  *          directions as seen from it, to be exact: when the whole number nearest to its solid angle in turns is odd, once the
  *          open edges (those of an odd number of triangles) have been taken for loops in the triangles' direction. No orientation
  *          of triangles plays a part but theirs. That angle is computed in doubles, the same everywhere, to 1e-8.
+ * WINDING  inside is where the mesh's solid angle, in turns and with its sign, is beyond 1/2 or -1/2: crossings along x as whole
+ *          numbers, and the angle of a sheet over the open edges, those that triangles run along more often one way than the
+ *          other. That angle is computed in doubles, the same everywhere, to 1e-8; what is nearer to a half than that counts as a
+ *          half, which is outside. Without open edges NONZERO bit for bit.
  * REGIONS  a region whose sure centres all lie on one side lies there as a whole; in one that has both (a hole joins them) or
  *          none each centre keeps its own vote, and the report counts it. Here and for FLOOD centres are sure also where that angle
  *          lies within a quarter of a turn of a whole number: a side that is missing square to an axis leaves no row along it
@@ -520,17 +524,20 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  * BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
  * Memory: the grid, 16 bytes a vertex, 1 a row, 100 KiB for each 4096 triangles up to 6.3 MiB, 160 KiB a worker; rows
  * filled from lists (nonzero, or where rows do not balance): 8 bytes a row and 4 a crossing of theirs. VOTE: two more
- * grids; where there are holes 24 bytes a triangle and 12 a vertex, then about 200 an open edge. REGIONS, FLOOD: that, and what
+ * grids. WINDING, and VOTE where there are holes: 16 bytes a vertex (30 where triangles share none), then about 200 an open edge, 8
+ * a row and 170 KiB a worker; WINDING also as nonzero. REGIONS, FLOOD: that, and what
  * bvx_voxelize_surface needs, its grid, 4 bytes a run of empty voxels and 16 for those of a slice and two rows; FLOOD: one
  * more grid, 8 bytes a voxel of the surface that votes outside where there are cavities; closing gaps: a grid of close_gaps more
  * voxels a side. BELOW: one more grid unless axis is 0, 4 bytes a column and mesh, a second mesh's
  * vertices and buffers. check_edges: as bvx_mesh_check.
- * Cost: O(vertices + triangles + crossings + words), VOTE three times that and, for centres that are not sure, up to
- * O(open edges) each, near O(log open edges) at a distance from holes; REGIONS, FLOOD: and that of bvx_voxelize_surface and
+ * Cost: O(vertices + triangles + crossings + words), VOTE three times that; VOTE and WINDING also, for each centre
+ * near a place where the angle is a half, and for bricks of centres elsewhere near holes, O(open edges) at most, far fewer for
+ * those of other holes; REGIONS, FLOOD: and that of bvx_voxelize_surface and
  * O(runs); closing gaps O(words * log gap). Local but for REGIONS and FLOOD: a window holds the bits of the whole there.
  * Source: scanline solid of "LOD by voxelization and downsampling" 2.3, with an exact tie rule in place of offsets;
  * Nooruddin, Turk 2003 (votes of axes); Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using
- * Generalized Winding Numbers. 2013 (all directions).
+ * Generalized Winding Numbers. 2013 (winding; all directions); Barill, Dickson, Schmidt, Levin, Jacobson. Fast Winding Numbers for
+ * Soups and Clouds. 2018.
  */
 BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                       const bvx_voxelize_options *options, bvx_grid *solid);
@@ -1341,8 +1348,20 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
 /**
  * Make a closed, manifold, oriented mesh without crossing triangles from any mesh.
  *
+ * Triangles that are there twice count once. The sign rule says which centres are inside, with a smooth lid over every hole;
+ * pieces that enclose nothing (a lid over their holes would have 0.7 of their area or more, or no voxel close behind most of
+ * their area is inside) become shells. Marching cubes between inside and outside centres, vertices where the closest points of
+ * both ends say, on lids where the winding number passes a half. The guarantee is that of marching cubes, whatever the input; what
+ * is thinner than a voxel is lost or becomes a shell.
+ *
+ * mesh      triangles without area are no harm; vertices must be finite, used or not
+ * repaired  as for bvx_extract_surface
+ *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area; nothing is left: no inside and no shells asked for, or all parts
  * below least_part), BVX_ERR_RANGE, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ * Memory: the mesh, two grids and what the sign rule needs, then a grid, 32 bytes for each centre next to the surface and what
+ * bvx_measure_field needs a triangle; with a report that of bvx_mesh_check on both meshes. Cost: the solid, the closest points of
+ * the centres next to the surface, the surface; target_triangles: the solid for each resolution tried.
  * Source: "Model repair by a vector distance field", with its formula mended.
  */
 BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired);

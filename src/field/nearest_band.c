@@ -1,6 +1,6 @@
 /* nearest_band.c - the centres within a width of a mesh.
  *
- * Cubes of 16 x 16 x 16 centres that no leaf's box reaches are passed by. In the others every brick is searched for centres
+ * Cubes of 16 x 16 x 16 centres that no triangle reaches are passed by. In the others every brick is searched for centres
  * within the width: floats decide where they can, the evaluation in doubles where they cannot (nearest_brick.c). The nearest
  * triangles found that way are remembered, so that filling in the values needs no second search.
  * Memory: 16 KiB for each cube that the mesh reaches, until the mesh is closed or another band is asked for. */
@@ -14,7 +14,7 @@ typedef struct band_work {
     bvxi_near_worker *workers;
     uint8_t *reached; /* [Size: cubes] */
     uint64_t *first;  /* [Size: rows] */
-    int32_t pieces, fast;
+    int32_t pieces;
 } band_work;
 
 uint64_t bvxi_near_slots_inside(const bvx_grid *g, const int32_t first[3])
@@ -39,21 +39,12 @@ uint64_t bvxi_near_slots_of(const bvx_grid *g, const int32_t first[3])
 
 /* ---- Which cubes the mesh reaches ---- */
 
-static int cube_is_reached(const band_work *w, const bvxi_near_run *r, int32_t x, bvxi_near_cell *cell)
+/* Lattice indices of a cube's first centre. */
+static void first_of_cube(const bvx_grid *g, const bvxi_near_run *r, int32_t x, int32_t first[3])
 {
-    const bvxi_nearest *const n = w->n;
-    int32_t const at[3] = {x, r->y, r->z};
-    bvxi_near_question q;
-    for (int a = 0; a < 3; a++) {
-        double const i = (double)w->band->low[a] + (double)at[a] * BVXI_NEAR_CUBE;
-        q.first[a] = ((n->lattice.origin[a] + i * n->lattice.spacing[a]) * n->scale - n->middle[a]) * n->box_scale;
-        q.last[a] = ((n->lattice.origin[a] + (i + BVXI_NEAR_CUBE) * n->lattice.spacing[a]) * n->scale - n->middle[a]) * n->box_scale;
-        q.point[a] = 0x1p40; /* no box is out by a point this far off */
-    }
-    q.point_error = 0.0;
-    q.limit = w->width * n->scale * n->box_scale;
-    bvxi_near_cell_begin(n, &q, NULL, w->fast, cell);
-    return bvxi_near_cell_reaches(n, cell, w->fast);
+    first[0] = g->low[0] + x * BVXI_NEAR_CUBE;
+    first[1] = g->low[1] + r->y * BVXI_NEAR_CUBE;
+    first[2] = g->low[2] + r->z * BVXI_NEAR_CUBE;
 }
 
 static void find_reached_cubes(void *user, int32_t index, int32_t worker)
@@ -63,8 +54,12 @@ static void find_reached_cubes(void *user, int32_t index, int32_t worker)
     bvxi_piece(bvxi_near_plan_runs(&w->plan), w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_near_run const r = bvxi_near_run_of(&w->plan, i);
-        for (int32_t x = r.begin; x < r.end; x++)
-            w->reached[bvxi_near_cube_number(&w->plan, &r, x)] = (uint8_t)cube_is_reached(w, &r, x, &w->workers[worker].cell);
+        for (int32_t x = r.begin; x < r.end; x++) {
+            int32_t first[3];
+            first_of_cube(w->band, &r, x, first);
+            w->reached[bvxi_near_cube_number(&w->plan, &r, x)] =
+                (uint8_t)bvxi_near_cube_reaches(w->n, (const int32_t *)first, w->width, &w->workers[worker]);
+        }
     }
 }
 
@@ -72,7 +67,7 @@ static void find_reached_cubes(void *user, int32_t index, int32_t worker)
 
 void bvxi_near_forget(bvx_context *ctx, bvxi_near_memo *memo)
 {
-    bvxi_free(ctx, memo->place, memo->slots * BVXI_NEAR_CUBE_SLOTS * sizeof *memo->place);
+    bvxi_free(ctx, memo->triangle, memo->slots * BVXI_NEAR_CUBE_SLOTS * sizeof *memo->triangle);
     bvxi_free(ctx, memo->cube_slot, memo->cubes * sizeof *memo->cube_slot);
     memset(memo, 0, sizeof *memo);
 }
@@ -85,7 +80,7 @@ static bvx_status open_near_memo(bvx_context *ctx, const band_work *w)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->plan.cubes * sizeof *m->cube_slot, "the field's cubes", &m->cube_slot));
     m->cubes = w->plan.cubes;
     for (uint64_t i = 0; i < w->plan.cubes; i++) m->cube_slot[i] = w->reached[i] ? (uint32_t)slots++ : BVXI_NEAR_NONE;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, slots * BVXI_NEAR_CUBE_SLOTS * sizeof *m->place, "the field's nearest triangles", &m->place));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, slots * BVXI_NEAR_CUBE_SLOTS * sizeof *m->triangle, "the field's nearest triangles", &m->triangle));
     m->slots = slots;
     memcpy(m->low, w->band->low, sizeof m->low);
     memcpy(m->size, w->band->size, sizeof m->size);
@@ -106,22 +101,23 @@ static void set_near_slots(const bvx_grid *g, const int32_t first[3], uint64_t s
 static void find_cube_band(const band_work *w, const bvxi_near_run *r, int32_t x, bvxi_near_worker *worker)
 {
     uint32_t const slot = w->n->memo->cube_slot[bvxi_near_cube_number(&w->plan, r, x)];
-    int32_t const corner[3] = {w->band->low[0] + x * BVXI_NEAR_CUBE, w->band->low[1] + r->y * BVXI_NEAR_CUBE, w->band->low[2] + r->z * BVXI_NEAR_CUBE};
+    int32_t corner[3];
     if (slot == BVXI_NEAR_NONE) return;
-    bvxi_near_cube_begin(w->n, corner, w->width, worker);
+    first_of_cube(w->band, r, x, corner);
+    bvxi_near_cube_begin(w->n, (const int32_t *)corner, w->width, worker);
     for (int32_t b = 0; b < 64; b++) {
-        uint32_t *const place = w->n->memo->place + (uint64_t)slot * BVXI_NEAR_CUBE_SLOTS + (uint64_t)b * BVXI_NEAR_SLOTS;
+        uint32_t *const triangle = w->n->memo->triangle + (uint64_t)slot * BVXI_NEAR_CUBE_SLOTS + (uint64_t)b * BVXI_NEAR_SLOTS;
         int32_t first[3], index[3];
         bvxi_near_brick_first(r, x, b, first);
         uint64_t const inside = bvxi_near_slots_inside(w->band, first);
         if (inside == 0) {
-            for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++) place[s] = BVXI_NEAR_NONE;
+            for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++) triangle[s] = BVXI_NEAR_NONE;
             continue;
         }
         for (int a = 0; a < 3; a++) index[a] = w->band->low[a] + first[a];
         bvxi_near_brick_begin(w->n, (const int32_t *)index, worker);
         set_near_slots(w->band, (const int32_t *)first, bvxi_near_brick_find(w->n, inside, w->width, worker));
-        memcpy(place, worker->place, sizeof worker->place);
+        memcpy(triangle, worker->triangle, sizeof worker->triangle);
     }
 }
 
@@ -172,7 +168,7 @@ bvx_status bvxi_near_workers(bvx_context *ctx, bvxi_near_worker **workers)
 bvx_status bvxi_nearest_band(bvx_context *ctx, const char *stage, double from, double to, const bvxi_nearest *nearest, double width,
                              bvx_grid *band, uint64_t *first)
 {
-    band_work w = {nearest, band, bvxi_near_plan_of(band), width, NULL, NULL, first, 0, bvxi_cpu(ctx) == BVX_CPU_AVX2};
+    band_work w = {nearest, band, bvxi_near_plan_of(band), width, NULL, NULL, first, 0};
     uint64_t const worker_bytes = (uint64_t)bvxi_threads(ctx) * sizeof *w.workers;
     bvx_status status = bvxi_near_workers(ctx, &w.workers);
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);

@@ -34,19 +34,19 @@ static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
         int32_t const s = p->slot[i];
         uint64_t const bit = UINT64_C(1) << s;
         if ((w->evaluated & bit) != 0 && (p->distance2[i] > w->distance2[s] ||
-                                          (p->distance2[i] == w->distance2[s] && p->triangle[i] >= n->order[w->place[s]]))) continue;
+                                          (p->distance2[i] == w->distance2[s] && p->triangle[i] >= w->triangle[s]))) continue;
         w->evaluated |= bit;
         w->distance2[s] = p->distance2[i];
-        w->place[s] = p->place[i];
+        w->triangle[s] = p->triangle[i];
     }
     p->count = 0;
 }
 
-static void take_near_pair(const bvxi_nearest *n, bvxi_near_worker *w, uint32_t place, int32_t slot)
+static void take_near_pair(const bvxi_nearest *n, bvxi_near_worker *w, uint32_t triangle, int32_t slot)
 {
     double const point[3] = {w->centre[0][slot & 3], w->centre[1][slot >> 2 & 3], w->centre[2][slot >> 4]};
     if (w->pairs.count == BVXI_NEAR_PAIRS) settle_near_pairs(n, w);
-    bvxi_near_take_pair(&w->pairs, point, place, slot);
+    bvxi_near_take_pair(n, &w->pairs, point, triangle, slot);
 }
 
 /* ---- Eight centres ---- */
@@ -61,15 +61,15 @@ static inline int32_t near_slot(int32_t g, int32_t c)
 static void settle_near_eight(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     float most2[8];
-    int32_t const count = bvxi_near_eight_winners(w->fast, &w->eight, most2, w->winners);
-    for (int32_t i = 0; i < count; i++) take_near_pair(n, w, w->winners[i].place, near_slot(w->eight.group, w->winners[i].centre));
+    int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
+    for (int32_t i = 0; i < count; i++) take_near_pair(n, w, w->winners[i].triangle, near_slot(w->eight.group, w->winners[i].centre));
 }
 
 /* The end of a search: where one triangle alone may win, surely within the limit, it is taken without a look. */
 static void end_near_eight(const bvxi_nearest *n, float sure2, int32_t parts, bvxi_near_worker *w)
 {
     float most2[8];
-    int32_t const count = bvxi_near_eight_winners(w->fast, &w->eight, most2, w->winners);
+    int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
     uint32_t once = 0, more = parts ? 255u : 0;
     for (int c = 0; c < 8; c++) more |= (uint32_t)!(most2[c] < sure2) << c;
     for (int32_t i = 0; i < count; i++) {
@@ -79,8 +79,8 @@ static void end_near_eight(const bvxi_nearest *n, float sure2, int32_t parts, bv
     }
     for (int32_t i = 0; i < count; i++) {
         int32_t const c = w->winners[i].centre, slot = near_slot(w->eight.group, c);
-        if (more >> c & 1) take_near_pair(n, w, w->winners[i].place, slot);
-        else w->place[slot] = w->winners[i].place;
+        if (more >> c & 1) take_near_pair(n, w, w->winners[i].triangle, slot);
+        else w->triangle[slot] = w->winners[i].triangle;
     }
 }
 
@@ -139,17 +139,51 @@ static void keep_near_point(bvxi_near_worker *w)
     w->question.point_error = (double)w->cell.point_error;
 }
 
-/* The next part of the cell's list, seen from the brick's centres. Returns 1 when it is the last. */
-static int32_t list_near_part(const bvxi_nearest *n, bvxi_near_worker *w)
+/* The cell's list, seen from the brick's centres. */
+static void sieve_near_part(bvxi_near_worker *w)
 {
-    int32_t const complete = bvxi_near_cell_list(n, &w->cell, w->fast, &w->list);
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < BVXI_NEAR_SIDE; i++) w->places.at[a][i] = (float)((double)w->offset[a][i] + (w->middle[a] - (double)w->cell.origin[a]));
     bvxi_near_sieve_list(&w->list, &w->places, bvxi_near_cell_reach2(&w->cell), w->fast, &w->sieve);
+}
+
+/* The next part of the list. Returns 1 when it is the last. */
+static int32_t list_near_part(const bvxi_nearest *n, bvxi_near_worker *w)
+{
+    int32_t const complete = bvxi_near_cell_list(n, &w->cell, w->fast, &w->list);
+    sieve_near_part(w);
     return complete;
 }
 
-void bvxi_near_cube_begin(const bvxi_nearest *n, const int32_t first[3], double width, bvxi_near_worker *w)
+/* ---- Far from everything ---- */
+
+enum { NEAR_FEW_BLOCKS = 4 };
+
+/* Is the middle of the cell, whose list is complete and short, so far from all triangles that no centre of the cell lies within
+ * the limit? Boxes of large triangles hold much that is far from them. */
+static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
+{
+    bvxi_near_places middle;
+    double radius2 = 0.0;
+    float reach, reach2;
+    if (w->list.count > NEAR_FEW_BLOCKS || !(w->question.limit < 0x1p50)) return 0;
+    for (int a = 0; a < 3; a++) {
+        double const half = (w->question.last[a] - w->question.first[a]) * 0.5;
+        radius2 += half * half;
+        for (int i = 0; i < BVXI_NEAR_SIDE; i++) middle.at[a][i] = (float)(w->question.first[a] + half - (double)w->cell.origin[a]);
+    }
+    reach = (float)((w->question.limit + sqrt(radius2)) * (1.0 + 0x1p-10)) + 8.0f * w->list.error;
+    reach2 = reach * reach;
+    bvxi_near_sieve_list(&w->list, &middle, reach2, w->fast, &w->sieve);
+    bvxi_near_eight_begin(0, &middle, 1, reach2, &w->eight);
+    bvxi_near_eight_take(&w->list, &w->sieve, w->fast, &w->eight);
+    while (!bvxi_near_eight_look(n, &w->list, w->cell.origin, w->fast, &w->eight)) w->eight.count = 0;
+    return w->eight.least2[0] >= reach2;
+}
+
+/* ---- Cubes ---- */
+
+static void bound_near_cube(const bvxi_nearest *n, const int32_t first[3], double width, bvxi_near_worker *w)
 {
     for (int a = 0; a < 3; a++) {
         w->question.first[a] = (near_centre(n, a, first[a]) - n->middle[a]) * n->box_scale;
@@ -157,8 +191,23 @@ void bvxi_near_cube_begin(const bvxi_nearest *n, const int32_t first[3], double 
     }
     w->question.limit = width * n->scale * n->box_scale;
     begin_near_cell(n, NULL, w);
+}
+
+void bvxi_near_cube_begin(const bvxi_nearest *n, const int32_t first[3], double width, bvxi_near_worker *w)
+{
+    bound_near_cube(n, first, width, w);
     bvxi_near_cell_start(n, &w->cell, w->fast, &w->start);
 }
+
+int32_t bvxi_near_cube_reaches(const bvxi_nearest *n, const int32_t first[3], double width, bvxi_near_worker *w)
+{
+    bound_near_cube(n, first, width, w);
+    if (!bvxi_near_cell_list(n, &w->cell, w->fast, &w->list)) return 1;
+    keep_near_point(w);
+    return w->list.count > 0 && !is_far_from_near_list(n, w);
+}
+
+/* ---- Bricks ---- */
 
 /* Group g from the list, and from the rest of the cell's search where the list does not hold all. */
 static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, double limit, int32_t complete, bvxi_near_worker *w)
@@ -196,9 +245,10 @@ static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limi
     int32_t begin[3], end[3], complete;
     bound_near_slots(wanted, begin, end);
     begin_near_box(n, begin, end, limit, w);
-    complete = list_near_part(n, w);
+    complete = bvxi_near_cell_list(n, &w->cell, w->fast, &w->list);
     keep_near_point(w);
-    if (complete && w->list.count == 0) return;
+    if (complete && (w->list.count == 0 || is_far_from_near_list(n, w))) return;
+    sieve_near_part(w);
     for (int32_t g = 0; g < 8; g++) {
         uint32_t const active = near_active(wanted, g);
         if (active == 0) continue;
@@ -220,12 +270,12 @@ uint64_t bvxi_near_brick_find(const bvxi_nearest *n, uint64_t wanted, double wid
     uint64_t found = 0;
     w->evaluated = 0;
     w->pairs.count = 0;
-    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++) w->place[s] = BVXI_NEAR_NONE;
+    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++) w->triangle[s] = BVXI_NEAR_NONE;
     find_near_groups(n, wanted, width * n->scale * n->box_scale, w);
     settle_near_pairs(n, w);
     for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++) {
-        if ((w->evaluated >> s & 1) != 0 && !(sqrt(w->distance2[s]) / n->scale <= width)) w->place[s] = BVXI_NEAR_NONE;
-        found |= (uint64_t)(w->place[s] != BVXI_NEAR_NONE) << s;
+        if ((w->evaluated >> s & 1) != 0 && !(sqrt(w->distance2[s]) / n->scale <= width)) w->triangle[s] = BVXI_NEAR_NONE;
+        found |= (uint64_t)(w->triangle[s] != BVXI_NEAR_NONE) << s;
     }
     return found;
 }

@@ -27,9 +27,12 @@ typedef struct bvxi_near_worker {
     float offset[3][BVXI_NEAR_SIDE];  /* of the centres from middle [Units: box] */
     bvxi_near_places places;  /* of the centres, for the list */
     uint64_t evaluated;       /* slots whose best is from the evaluation in doubles */
-    uint32_t place[BVXI_NEAR_SLOTS];
+    uint32_t triangle[BVXI_NEAR_SLOTS];
     double distance2[BVXI_NEAR_SLOTS];
 } bvxi_near_worker;
+
+/* 0 when no centre of a cube of 16 x 16 x 16 lies within the width; its first centre has these lattice indices. */
+int32_t bvxi_near_cube_reaches(const bvxi_nearest *n, const int32_t first[3], double width, bvxi_near_worker *w);
 
 /* Begin a cube of 16 x 16 x 16 centres, whose first one has these lattice indices: bricks in it follow. */
 void bvxi_near_cube_begin(const bvxi_nearest *n, const int32_t first[3], double width, bvxi_near_worker *w);
@@ -37,7 +40,7 @@ void bvxi_near_cube_begin(const bvxi_nearest *n, const int32_t first[3], double 
 /* Centres of the brick whose first one has these lattice indices. */
 void bvxi_near_brick_begin(const bvxi_nearest *n, const int32_t first[3], bvxi_near_worker *w);
 
-/* Find the place of the nearest triangle for each slot in wanted that is no further than width [Units: world, or infinity];
+/* Find the nearest triangle for each slot in wanted that is no further than width [Units: world, or infinity];
  * BVXI_NEAR_NONE for others. Returns the slots that have one. */
 uint64_t bvxi_near_brick_find(const bvxi_nearest *n, uint64_t wanted, double width, bvxi_near_worker *w);
 

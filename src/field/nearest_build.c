@@ -1,30 +1,19 @@
 /* nearest_build.c - the hierarchy of boxes over a mesh's triangles.
  *
- * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space, then pack up to eight neighbours into a
- * leaf and up to eight boxes into a node, level by level; no pointers, no recursion. The curve is Morton's over the sums of the
- * triangles' corners, ten bits an axis, which one sort of 30-bit keys arranges; where many triangles crowd in few cells, because
- * some lie far away from the others, all are sorted again by 21 bits an axis.
- * The curve jumps: eight neighbours may be two groups far apart, in a box that reaches through half of the mesh. Such a run is
- * cut in two where that makes the boxes smaller. Boxes are floats rounded outwards. The order of triangles shows in no answer,
- * so it needs to be no particular one. */
-#include "field/nearest_tree.h"
-#include "mesh/radix.h"
+ * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space (nearest_order.c), then pack up to eight
+ * neighbours into a leaf and up to eight boxes into a node, level by level; no pointers, no recursion. Where the curve jumps a
+ * leaf or a node ends before its eighth child. Boxes are floats rounded outwards. */
+#include "field/nearest_order.h"
+#include "field/nearest_pairs.h"
 #include "mesh/scale.h"
 
 #include <math.h>
 #if BVXI_HAVE_AVX2
 #include <immintrin.h>
 #endif
-#if defined(__GNUC__)
-#define NEAR_PREFETCH(address) __builtin_prefetch(address)
-#else
-#define NEAR_PREFETCH(address) ((void)(address))
-#endif
 
 enum {
-    NEAR_COARSE_BITS = 10, NEAR_FINE_BITS = 21, /* of the curve along each axis */
-    NEAR_CROWD = 32,        /* triangles of one cell that are too many for a leaf's box to be small */
-    NEAR_GRAIN = 4096,      /* least triangles a task */
+    NEAR_LEAF_GRAIN = 4096, /* least triangles a task */
     NEAR_AHEAD = 24,        /* triangles that memory is asked for ahead */
     NEAR_CUT_LEVELS = 2     /* levels of nodes that are cut where the curve jumps */
 };
@@ -36,196 +25,11 @@ typedef struct near_box {
 
 typedef struct near_builder {
     bvxi_nearest *n;
-    uint64_t *vertex;   /* coordinates of each vertex on the curve's grid, 21 bits each [Size: vertices] */
-    uint64_t *keys;     /* [Size: triangles] */
-    uint64_t *spare;    /* [Size: triangles] */
-    uint32_t *numbers;  /* in the order of keys; NULL: a key's low 32 bits [Size: triangles] */
-    const uint64_t *sorted;
-    near_box *boxes;    /* of leaves [Size: leaves] */
-    double grid_low[3], grid_side; /* where the curve's grid lies [Units: box] */
+    bvxi_near_order order;
+    near_box *boxes;     /* of leaves [Size: leaves] */
     uint64_t first[257]; /* first leaf of each piece */
     int32_t pieces, fast;
 } near_builder;
-
-/* Number of the triangle at a place of the curve. */
-static inline uint32_t near_number(const near_builder *b, uint64_t i)
-{
-    return b->numbers != NULL ? b->numbers[i] : (uint32_t)b->sorted[i];
-}
-
-/* ---- Keys ---- */
-
-/* Coordinates become whole numbers of 19 bits, so that the sum of three fits 21. */
-static void place_near_vertices(void *user, int32_t index, int32_t worker)
-{
-    const near_builder *const b = user;
-    const bvxi_nearest *const n = b->n;
-    double const most = (double)((1 << (NEAR_FINE_BITS - 2)) - 1), by = b->grid_side > 0.0 ? most / b->grid_side : 0.0;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(n->view.vertex_count, b->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) {
-        double p[3];
-        uint64_t key = 0;
-        bvxi_view_position(&n->view, i, p);
-        for (int a = 0; a < 3; a++) {
-            double const x = ((p[a] * n->scale - n->middle[a]) * n->box_scale - b->grid_low[a]) * by;
-            key |= (uint64_t)(uint32_t)(int32_t)(x > 0.0 ? x < most ? x : most : 0.0) << NEAR_FINE_BITS * a; /* unused ones may lie anywhere */
-        }
-        b->vertex[i] = key;
-    }
-}
-
-/* Bit i of the low 21 goes to bit 3 i. */
-static inline uint64_t spread_near_bits(uint64_t x)
-{
-    x = (x | x << 32) & UINT64_C(0x001f00000000ffff);
-    x = (x | x << 16) & UINT64_C(0x001f0000ff0000ff);
-    x = (x | x << 8) & UINT64_C(0x100f00f00f00f00f);
-    x = (x | x << 4) & UINT64_C(0x10c30c30c30c30c3);
-    x = (x | x << 2) & UINT64_C(0x1249249249249249);
-    return x;
-}
-
-/* Ten bits an axis above the triangle's number, or all there are. */
-static void make_near_keys(void *user, int32_t index, int32_t worker)
-{
-    const near_builder *const b = user;
-    const bvxi_nearest *const n = b->n;
-    uint64_t const mask = (UINT64_C(1) << NEAR_FINE_BITS) - 1;
-    int const drop = NEAR_FINE_BITS - NEAR_COARSE_BITS;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(n->triangle_count, b->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) {
-        uint32_t c[3];
-        bvxi_view_triangle(&n->view, i, c);
-        uint64_t const sum = b->vertex[c[0]] + b->vertex[c[1]] + b->vertex[c[2]];
-        uint64_t const x = sum & mask, y = sum >> NEAR_FINE_BITS & mask, z = sum >> 2 * NEAR_FINE_BITS;
-        if (b->numbers != NULL) {
-            b->keys[i] = spread_near_bits(x) | spread_near_bits(y) << 1 | spread_near_bits(z) << 2;
-            b->numbers[i] = (uint32_t)i;
-        } else {
-            uint64_t const key = spread_near_bits(x >> drop) | spread_near_bits(y >> drop) << 1 | spread_near_bits(z >> drop) << 2;
-            b->keys[i] = key << 32 | i;
-        }
-    }
-}
-
-/* Sort by bits 32 to 61, least significant ten first. */
-static void sort_near_keys(uint64_t *keys, uint64_t *spare, uint64_t count, uint32_t place[3][1 << NEAR_COARSE_BITS])
-{
-    uint32_t const mask = (1u << NEAR_COARSE_BITS) - 1;
-    memset(place, 0, 3 * sizeof place[0]);
-    for (uint64_t i = 0; i < count; i++) {
-        place[0][keys[i] >> 32 & mask]++;
-        place[1][keys[i] >> (32 + NEAR_COARSE_BITS) & mask]++;
-        place[2][keys[i] >> (32 + 2 * NEAR_COARSE_BITS) & mask]++;
-    }
-    for (int d = 0; d < 3; d++) {
-        uint64_t *const from = d == 1 ? spare : keys, *const to = d == 1 ? keys : spare;
-        int const shift = 32 + NEAR_COARSE_BITS * d;
-        uint32_t sum = 0;
-        for (uint32_t v = 0; v <= mask; v++) {
-            uint32_t const n = place[d][v];
-            place[d][v] = sum;
-            sum += n;
-        }
-        for (uint64_t i = 0; i < count; i++) to[place[d][from[i] >> shift & mask]++] = from[i];
-    }
-}
-
-/* How many triangles share their cell with too many others. */
-static uint64_t count_near_crowds(const uint64_t *keys, uint64_t count)
-{
-    uint64_t crowded = 0;
-    for (uint64_t i = NEAR_CROWD; i < count; i++) crowded += keys[i] >> 32 == keys[i - NEAR_CROWD] >> 32;
-    return crowded;
-}
-
-static bvx_status sort_near_along_curve(bvx_context *ctx, const char *stage, double from, double to, near_builder *b)
-{
-    uint32_t place[3][1 << NEAR_COARSE_BITS];
-    uint64_t const count = b->n->triangle_count;
-    BVXI_TRY(bvxi_parallel(ctx, stage, from, (from + to) * 0.5, b->pieces, make_near_keys, b));
-    sort_near_keys(b->keys, b->spare, count, place);
-    b->sorted = b->spare;
-    if (count_near_crowds(b->spare, count) <= count / 16) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *b->numbers, "the search tree's order", &b->numbers));
-    BVXI_TRY(bvxi_parallel(ctx, stage, (from + to) * 0.5, to, b->pieces, make_near_keys, b));
-    b->sorted = b->keys;
-    return bvxi_radix_sort(ctx, b->keys, b->numbers, count);
-}
-
-static bvx_status order_near_triangles(bvx_context *ctx, const char *stage, double from, double to, near_builder *b)
-{
-    double const middle = from + (to - from) * 0.25;
-    b->pieces = bvxi_piece_count(b->n->view.vertex_count, NEAR_GRAIN);
-    BVXI_TRY(bvxi_parallel(ctx, stage, from, middle, b->pieces, place_near_vertices, b));
-    b->pieces = bvxi_piece_count(b->n->triangle_count, NEAR_GRAIN);
-    return sort_near_along_curve(ctx, stage, middle, to, b);
-}
-
-/* ---- Runs of triangles ---- */
-
-/* Every third bit of the low 63. */
-static inline uint32_t pack_near_bits(uint64_t x)
-{
-    x &= UINT64_C(0x1249249249249249);
-    x = (x | x >> 2) & UINT64_C(0x10c30c30c30c30c3);
-    x = (x | x >> 4) & UINT64_C(0x100f00f00f00f00f);
-    x = (x | x >> 8) & UINT64_C(0x001f0000ff0000ff);
-    x = (x | x >> 16) & UINT64_C(0x001f00000000ffff);
-    return (uint32_t)((x | x >> 32) & 0x1fffff);
-}
-
-/* Sum of the sides of the box around the cells of some keys. */
-static uint64_t near_key_sides(const uint64_t *keys, uint32_t begin, uint32_t end, int shift)
-{
-    uint64_t sum = 0;
-    for (int a = 0; a < 3; a++) {
-        uint32_t low = UINT32_MAX, high = 0;
-        for (uint32_t i = begin; i < end; i++) {
-            uint32_t const x = pack_near_bits(keys[i] >> shift >> a);
-            low = x < low ? x : low;
-            high = x > high ? x : high;
-        }
-        sum += high - low + 1;
-    }
-    return sum;
-}
-
-/* How many of the next keys, at most eight, make a leaf. A jump is where two keys differ in a higher bit than any other
- * neighbours do by two levels or more; it is one if the boxes of both sides are small beside that of the whole. */
-static uint32_t near_run(const uint64_t *keys, uint64_t left, int shift)
-{
-    uint32_t count = left < BVXI_NEAR_WIDTH ? (uint32_t)left : BVXI_NEAR_WIDTH;
-    for (;;) {
-        uint64_t most = 0, second = 0;
-        uint32_t at = 0;
-        for (uint32_t i = 1; i < count; i++) {
-            uint64_t const x = (keys[i] ^ keys[i - 1]) >> shift;
-            second = x > most ? most : x > second ? x : second;
-            at = x > most ? i : at;
-            most = x > most ? x : most;
-        }
-        if (at == 0 || second > most >> 6) return count;
-        if (4 * (near_key_sides(keys, 0, at, shift) + near_key_sides(keys, at, count, shift)) >= 3 * near_key_sides(keys, 0, count, shift))
-            return count;
-        count = at;
-    }
-}
-
-static void count_near_leaves(void *user, int32_t index, int32_t worker)
-{
-    near_builder *const b = user;
-    int const shift = b->numbers == NULL ? 32 : 0;
-    uint64_t begin, end, leaves = 0;
-    (void)worker;
-    bvxi_piece(b->n->triangle_count, b->pieces, index, &begin, &end);
-    for (; begin < end; leaves++) begin += near_run(b->sorted + begin, end - begin, shift);
-    b->first[index + 1] = leaves;
-}
 
 /* ---- Boxes ---- */
 
@@ -304,20 +108,20 @@ static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end
     const bvx_mesh_view *const v = &b->n->view;
     uint32_t c[3];
     if (i + 2 * NEAR_AHEAD >= end || v->indices == NULL) return;
-    NEAR_PREFETCH(bvxi_view_index_at(v, near_number(b, i + 2 * NEAR_AHEAD)));
-    bvxi_view_triangle(v, near_number(b, i + NEAR_AHEAD), c);
-    for (int k = 0; k < 3; k++) NEAR_PREFETCH(bvxi_view_position_at(v, c[k]));
+    BVXI_NEAR_PREFETCH(bvxi_view_index_at(v, bvxi_near_order_number(&b->order, i + 2 * NEAR_AHEAD)));
+    bvxi_view_triangle(v, bvxi_near_order_number(&b->order, i + NEAR_AHEAD), c);
+    for (int k = 0; k < 3; k++) BVXI_NEAR_PREFETCH(bvxi_view_position_at(v, c[k]));
 }
 
 /* Leaf number `leaf` from count triangles; the piece has all before end. */
 static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count, uint64_t end, uint64_t leaf)
 {
     const bvxi_nearest *const n = b->n;
-    uint32_t *const order = n->order + leaf * BVXI_NEAR_WIDTH;
+    uint32_t order[BVXI_NEAR_WIDTH];
     double corner[9][BVXI_NEAR_WIDTH];
     float local[9][BVXI_NEAR_WIDTH];
     for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
-        order[k] = near_number(b, first + (k < count ? k : count - 1));
+        order[k] = bvxi_near_order_number(&b->order, first + (k < count ? k : count - 1));
         prefetch_near(b, first + k, end);
     }
     gather_near_leaf(n, order, corner);
@@ -327,19 +131,28 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
 #else
     bound_near_leaf(n, corner, &b->boxes[leaf], local);
 #endif
-    bvxi_near_make_leaf((const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast, &n->leaves[leaf]);
-    for (int a = 0; a < 3; a++) b->boxes[leaf].point[a] = n->leaves[leaf].frame[0][BVXI_NEAR_FOOT + a] - b->boxes[leaf].low[a];
+    bvxi_near_make_leaf(order, (const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast, &n->leaves[leaf]);
+    for (int a = 0; a < 3; a++) b->boxes[leaf].point[a] = n->leaves[leaf].frame[0].f[BVXI_NEAR_FOOT + a] - b->boxes[leaf].low[a];
+}
+
+static void count_near_leaves(void *user, int32_t index, int32_t worker)
+{
+    near_builder *const b = user;
+    uint64_t begin, end, leaves = 0;
+    (void)worker;
+    bvxi_piece(b->n->triangle_count, b->pieces, index, &begin, &end);
+    for (; begin < end; leaves++) begin += bvxi_near_order_run(&b->order, begin, end);
+    b->first[index + 1] = leaves;
 }
 
 static void fill_near_leaves(void *user, int32_t index, int32_t worker)
 {
     const near_builder *const b = user;
-    int const shift = b->numbers == NULL ? 32 : 0;
     uint64_t begin, end, leaf = b->first[index];
     (void)worker;
     bvxi_piece(b->n->triangle_count, b->pieces, index, &begin, &end);
     while (begin < end) {
-        uint32_t const count = near_run(b->sorted + begin, end - begin, shift);
+        uint32_t const count = bvxi_near_order_run(&b->order, begin, end);
         fill_near_leaf(b, begin, count, end, leaf++);
         begin += count;
     }
@@ -349,10 +162,10 @@ static bvx_status make_near_leaves(bvx_context *ctx, const char *stage, double f
 {
     bvxi_nearest *const n = b->n;
     double const middle = from + (to - from) * 0.125;
+    b->pieces = bvxi_piece_count(n->triangle_count, NEAR_LEAF_GRAIN);
     BVXI_TRY(bvxi_parallel(ctx, stage, from, middle, b->pieces, count_near_leaves, b));
     for (int32_t i = 0; i < b->pieces; i++) b->first[i + 1] += b->first[i];
     n->leaf_count = b->first[b->pieces];
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->leaf_count * BVXI_NEAR_WIDTH * sizeof *n->order, "the search tree's order", &n->order));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->leaf_count * sizeof *n->leaves, "the search tree's triangles", &n->leaves));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->leaf_count * sizeof *b->boxes, "the search tree's boxes", &b->boxes));
     return bvxi_parallel(ctx, stage, middle, to, b->pieces, fill_near_leaves, b);
@@ -433,7 +246,7 @@ static bvx_status make_near_nodes(bvx_context *ctx, near_builder *b)
     bvxi_nearest *const n = b->n;
     uint64_t count = n->leaf_count;
     do {
-        int const cut = n->level_count < NEAR_CUT_LEVELS;
+        int const cut = n->level_count < NEAR_CUT_LEVELS && n->leaf_count < BVXI_NEAR_CUT_BELOW;
         int32_t const level = n->level_count;
         n->level_nodes[level] = count_near_nodes(b->boxes, count, cut);
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->level_nodes[level] * sizeof **n->level, "the search tree's nodes", &n->level[level]));
@@ -464,38 +277,26 @@ static void plan_near_tree(const double low[3], const double high[3], near_build
     for (int a = 0; a < 3; a++) {
         double const x = (low[a] * n->scale - n->middle[a]) * n->box_scale, y = (high[a] * n->scale - n->middle[a]) * n->box_scale;
         double const from = x > -2.0 ? x : y < -2.0 ? x : -2.0, to = y < 2.0 ? y : x > 2.0 ? y : 2.0;
-        b->grid_low[a] = from;
-        b->grid_side = to - from > b->grid_side ? to - from : b->grid_side;
+        b->order.grid_low[a] = from;
+        b->order.grid_side = to - from > b->order.grid_side ? to - from : b->order.grid_side;
     }
-}
-
-static bvx_status build_near(bvx_context *ctx, const char *stage, double from, double to, near_builder *b)
-{
-    uint64_t const vertices = b->n->view.vertex_count, triangles = b->n->triangle_count;
-    double const middle = (from + to) * 0.5;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * sizeof *b->vertex, "the search tree's vertices", &b->vertex));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, triangles * sizeof *b->keys, "the search tree's keys", &b->keys));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, triangles * sizeof *b->spare, "the search tree's keys", &b->spare));
-    BVXI_TRY(order_near_triangles(ctx, stage, from, middle, b));
-    BVXI_TRY(make_near_leaves(ctx, stage, middle, to, b));
-    return make_near_nodes(ctx, b);
 }
 
 bvx_status bvxi_near_build(bvx_context *ctx, const char *stage, double from, double to, const double low[3], const double high[3],
                            bvxi_nearest *n)
 {
+    double const middle = (from + to) * 0.5;
     near_builder b;
     bvx_status status;
     memset(&b, 0, sizeof b);
     b.n = n;
     b.fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     plan_near_tree(low, high, &b);
-    status = build_near(ctx, stage, from, to, &b);
+    status = bvxi_near_order_make(ctx, stage, from, middle, n, &b.order);
+    if (status == BVX_OK) status = make_near_leaves(ctx, stage, middle, to, &b);
+    if (status == BVX_OK) status = make_near_nodes(ctx, &b);
     bvxi_free(ctx, b.boxes, n->leaf_count * sizeof *b.boxes);
-    bvxi_free(ctx, b.numbers, n->triangle_count * sizeof *b.numbers);
-    bvxi_free(ctx, b.spare, n->triangle_count * sizeof *b.spare);
-    bvxi_free(ctx, b.keys, n->triangle_count * sizeof *b.keys);
-    bvxi_free(ctx, b.vertex, n->view.vertex_count * sizeof *b.vertex);
+    bvxi_near_order_free(ctx, &b.order);
     return status;
 }
 
@@ -503,5 +304,4 @@ void bvxi_near_free(bvx_context *ctx, bvxi_nearest *n)
 {
     for (int32_t l = n->level_count; l-- > 0;) bvxi_free(ctx, n->level[l], n->level_nodes[l] * sizeof **n->level);
     bvxi_free(ctx, n->leaves, n->leaf_count * sizeof *n->leaves);
-    bvxi_free(ctx, n->order, n->leaf_count * BVXI_NEAR_WIDTH * sizeof *n->order);
 }

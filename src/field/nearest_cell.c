@@ -279,30 +279,12 @@ BVXI_VECTOR_INLINE int32_t list_near_cell(const bvxi_nearest *n, bvxi_near_cell 
     return cell->open == 0;
 }
 
-BVXI_VECTOR_INLINE int32_t reach_near_cell(const bvxi_nearest *n, bvxi_near_cell *cell, int fast)
-{
-    while (cell->open > 0) {
-        bvxi_near_visit const visit = cell->stack[--cell->open];
-        float distance2[BVXI_NEAR_WIDTH];
-        const bvxi_near_node *const node = &n->level[visit.level][visit.node];
-        uint32_t const mask = NEAR_CELL_PATH(fast, near_children(node, cell, distance2), near_children_avx2(node, cell, distance2));
-        if (visit.level > 0) push_near_children(cell, visit.level - 1, node->first, mask, distance2);
-        else if (mask != 0) return 1;
-    }
-    return 0;
-}
-
 /* ---- Which path ---- */
 
 #if BVXI_HAVE_AVX2
 BVXI_AVX2 static int32_t list_near_cell_avx2(const bvxi_nearest *n, bvxi_near_cell *cell, bvxi_near_list *list)
 {
     return list_near_cell(n, cell, 1, list);
-}
-
-BVXI_AVX2 static int32_t reach_near_cell_avx2(const bvxi_nearest *n, bvxi_near_cell *cell)
-{
-    return reach_near_cell(n, cell, 1);
 }
 
 BVXI_AVX2 static void start_near_cell_avx2(const bvxi_nearest *n, bvxi_near_cell *cell, bvxi_near_start *start)
@@ -330,9 +312,4 @@ void bvxi_near_cell_start(const bvxi_nearest *n, bvxi_near_cell *cell, int32_t f
 int32_t bvxi_near_cell_list(const bvxi_nearest *n, bvxi_near_cell *cell, int32_t fast, bvxi_near_list *list)
 {
     return NEAR_CELL_PATH(fast, list_near_cell(n, cell, 0, list), list_near_cell_avx2(n, cell, list));
-}
-
-int32_t bvxi_near_cell_reaches(const bvxi_nearest *n, bvxi_near_cell *cell, int32_t fast)
-{
-    return NEAR_CELL_PATH(fast, reach_near_cell(n, cell, 0), reach_near_cell_avx2(n, cell));
 }

@@ -69,7 +69,4 @@ float bvxi_near_cell_reach2(const bvxi_near_cell *cell);
 /* Fill the list with leaves that may be nearest to a centre of the cell. Returns 0 when it is full: more come with the next call. */
 int32_t bvxi_near_cell_list(const bvxi_nearest *n, bvxi_near_cell *cell, int32_t fast, bvxi_near_list *list);
 
-/* 1 when some leaf's box lies within the limit of the cell's box. */
-int32_t bvxi_near_cell_reaches(const bvxi_nearest *n, bvxi_near_cell *cell, int32_t fast);
-
 #endif

@@ -22,7 +22,7 @@ void bvxi_near_sieve_list(const bvxi_near_list *list, const bvxi_near_places *pl
 /* A group: centre number x + 2 y + 4 z. */
 typedef struct bvxi_near_eight {
     float distance2[BVXI_NEAR_MEASURED][8]; /* from the centres to the triangles that were measured, by floats [Size: count] */
-    uint32_t place[BVXI_NEAR_MEASURED + 8];
+    uint32_t place[BVXI_NEAR_MEASURED + 8]; /* of each: 8 times its leaf's number, and its slot */
     float at[3][8];         /* the eight centres, relative to the origin of the list's cell [Units: box] */
     float least2[8];        /* of each centre, the least squared distance known; below 0: not asked */
     float drop2[8];         /* with slack: what is further away cannot win */
@@ -34,21 +34,20 @@ typedef struct bvxi_near_eight {
 
 /* Squared distance from a place, relative to the frame's origin, to a triangle. In the frame: (u, v) and height w; the part to the
  * left of the altitude is turned over to the right, where before is what lies between u and the end of the base. */
-static inline float bvxi_near_distance2(const float f[BVXI_NEAR_FRAME], float x, float y, float z)
+static inline float bvxi_near_distance2(const float f[BVXI_NEAR_NUMBERS], float x, float y, float z)
 {
     float const u = x * f[3] + y * f[4] + z * f[5], v = x * f[6] + y * f[7] + z * f[8], w = x * f[9] + y * f[10] + z * f[11];
     float const r = u < 0.0f ? f[BVXI_NEAR_P] : f[BVXI_NEAR_Q], h = f[BVXI_NEAR_H], before = r - (u < 0.0f ? -u : u);
     float const beyond = before < 0.0f ? before : 0.0f, base2 = beyond * beyond + v * v;
-    float const along = before * r + v * h, length2 = r * r + h * h;
-    float const s = along > 0.0f ? along < length2 ? along / length2 : 1.0f : 0.0f;
+    float const t = (before * r + v * h) / (r * r + h * h), above = t > 0.0f ? t : 0.0f, s = above < 1.0f ? above : 1.0f; /* 0 / 0: 0 */
     float const dx = before - s * r, dy = v - s * h, edge2 = dx * dx + dy * dy;
-    float const side = before * h - v * r, least = base2 < edge2 ? base2 : edge2;
-    return (v > 0.0f && side > 0.0f ? 0.0f : least) + w * w;
+    float const side = before * h - v * r, least = base2 < edge2 ? base2 : edge2, inner = v < side ? v : side;
+    return (inner > 0.0f ? 0.0f : least) + w * w;
 }
 
 /* A triangle that may win at a centre. */
 typedef struct bvxi_near_winner {
-    uint32_t place;
+    uint32_t triangle;
     int32_t centre;
 } bvxi_near_winner;
 
@@ -63,6 +62,6 @@ int32_t bvxi_near_eight_look(const bvxi_nearest *n, const bvxi_near_list *list, 
 
 /* What may win of all that was measured; most2 becomes the square below which a winner's distance lies. There is room for
  * BVXI_NEAR_MEASURED * 8 winners. Returns their number. */
-int32_t bvxi_near_eight_winners(int32_t fast, bvxi_near_eight *e, float most2[8], bvxi_near_winner *winners);
+int32_t bvxi_near_eight_winners(const bvxi_nearest *n, int32_t fast, bvxi_near_eight *e, float most2[8], bvxi_near_winner *winners);
 
 #endif

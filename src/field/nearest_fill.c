@@ -72,8 +72,8 @@ static void put_near_value(const fill_work *w, const bvxi_near_pairs *pairs, int
     }
 }
 
-/* Places of a brick: remembered ones, and those of slots that nothing is known of by a search. */
-static void find_fill_places(const fill_work *w, const int32_t cube[3], uint64_t set, const uint32_t *remembered, bvxi_near_worker *worker)
+/* Nearest triangles of a brick: remembered ones, and those of slots that nothing is known of by a search. */
+static void find_fill_triangles(const fill_work *w, const int32_t cube[3], uint64_t set, const uint32_t *remembered, bvxi_near_worker *worker)
 {
     uint64_t unknown = 0;
     for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++)
@@ -85,7 +85,7 @@ static void find_fill_places(const fill_work *w, const int32_t cube[3], uint64_t
         bvxi_near_brick_find(w->n, unknown, HUGE_VAL, worker);
     }
     for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++)
-        if ((unknown >> s & 1) == 0 && (set >> s & 1) != 0) worker->place[s] = remembered[s];
+        if ((unknown >> s & 1) == 0 && (set >> s & 1) != 0) worker->triangle[s] = remembered[s];
 }
 
 static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int32_t first[3], const uint32_t *remembered, fill_ranks *ranks, bvxi_near_worker *worker)
@@ -96,12 +96,12 @@ static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int
     if (set == 0) return;
     for (int a = 0; a < 3; a++) index[a] = w->where->low[a] + first[a];
     bvxi_near_brick_begin(w->n, (const int32_t *)index, worker);
-    find_fill_places(w, cube, set, remembered, worker);
+    find_fill_triangles(w, cube, set, remembered, worker);
     pairs->count = 0;
     for (uint64_t m = set; m != 0; m &= m - 1) {
         int32_t const s = bvxi_lowest(m);
         double const point[3] = {worker->centre[0][s & 3], worker->centre[1][s >> 2 & 3], worker->centre[2][s >> 4]};
-        bvxi_near_take_pair(pairs, point, worker->place[s], s);
+        bvxi_near_take_pair(w->n, pairs, point, worker->triangle[s], s);
     }
     bvxi_near_evaluate(w->n, worker->fast, pairs);
     for (int32_t p = 0; p < pairs->count; p++) {
@@ -123,7 +123,7 @@ static void fill_near_cube(const fill_work *w, const bvxi_near_run *r, int32_t x
         bvxi_near_brick_first(r, x, b, first);
         fill_near_brick(w, cube, (const int32_t *)first,
                         slot == BVXI_NEAR_NONE ? NULL
-                                               : w->n->memo->place + (uint64_t)slot * BVXI_NEAR_CUBE_SLOTS + (uint64_t)b * BVXI_NEAR_SLOTS,
+                                               : w->n->memo->triangle + (uint64_t)slot * BVXI_NEAR_CUBE_SLOTS + (uint64_t)b * BVXI_NEAR_SLOTS,
                         ranks, worker);
     }
 }

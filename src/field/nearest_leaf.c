@@ -30,7 +30,7 @@ static inline float near_root(float x)
 
 static void frame_near_lane(const float corner[9][BVXI_NEAR_WIDTH], const float low[3], int k, bvxi_near_leaf *leaf)
 {
-    float *const f = leaf->frame[k];
+    float *const f = leaf->frame[k].f;
     float const ax = corner[0][k], ay = corner[1][k], az = corner[2][k];
     float const bx = corner[3][k], by = corner[4][k], bz = corner[5][k];
     float const cx = corner[6][k], cy = corner[7][k], cz = corner[8][k];
@@ -73,7 +73,6 @@ static void frame_near_lane(const float corner[9][BVXI_NEAR_WIDTH], const float 
     f[BVXI_NEAR_P] = foot;
     f[BVXI_NEAR_Q] = rest;
     f[BVXI_NEAR_H] = h;
-    f[BVXI_NEAR_FRAME - 1] = 0.0f;
     for (int i = 0; i < 3; i++) {
         float const x = corner[i][k], y = corner[3 + i][k], z = corner[6 + i][k];
         float const least = x < y ? x : y, most = x < y ? y : x;
@@ -100,16 +99,18 @@ BVXI_AVX2 static inline void near_put_3(float (*f)[BVXI_NEAR_WIDTH], __m256 x, _
     _mm256_storeu_ps(f[2], z);
 }
 
-/* Rows become columns: number k of each goes to triangle k, eight numbers from `to` on. */
-BVXI_AVX2 static inline void near_turn_8(__m256 a, __m256 b, __m256 c, __m256 d, __m256 e, __m256 f, __m256 g, __m256 h, float *to)
+/* Rows become columns: number k of each goes to triangle k, eight numbers from number i on; the last
+ * of 16 is where the triangle's number comes. */
+BVXI_AVX2 static inline void near_turn_8(__m256 a, __m256 b, __m256 c, __m256 d, __m256 e, __m256 f, __m256 g, __m256 h, bvxi_near_frame *to,
+                                          size_t i)
 {
     __m256 const ab = _mm256_unpacklo_ps(a, b), AB = _mm256_unpackhi_ps(a, b), cd = _mm256_unpacklo_ps(c, d), CD = _mm256_unpackhi_ps(c, d);
     __m256 const ef = _mm256_unpacklo_ps(e, f), EF = _mm256_unpackhi_ps(e, f), gh = _mm256_unpacklo_ps(g, h), GH = _mm256_unpackhi_ps(g, h);
     __m256 const left[4] = {_mm256_shuffle_ps(ab, cd, 0x44), _mm256_shuffle_ps(ab, cd, 0xee), _mm256_shuffle_ps(AB, CD, 0x44), _mm256_shuffle_ps(AB, CD, 0xee)};
     __m256 const right[4] = {_mm256_shuffle_ps(ef, gh, 0x44), _mm256_shuffle_ps(ef, gh, 0xee), _mm256_shuffle_ps(EF, GH, 0x44), _mm256_shuffle_ps(EF, GH, 0xee)};
     for (int k = 0; k < 4; k++) {
-        _mm256_storeu_ps(to + k * BVXI_NEAR_FRAME, _mm256_permute2f128_ps(left[k], right[k], 0x20));
-        _mm256_storeu_ps(to + (k + 4) * BVXI_NEAR_FRAME, _mm256_permute2f128_ps(left[k], right[k], 0x31));
+        _mm256_storeu_ps((float *)(void *)(to + k) + i, _mm256_permute2f128_ps(left[k], right[k], 0x20));
+        _mm256_storeu_ps((float *)(void *)(to + k + 4) + i, _mm256_permute2f128_ps(left[k], right[k], 0x31));
     }
 }
 
@@ -151,8 +152,8 @@ BVXI_AVX2 static void frame_near_lanes(const float corner[9][BVXI_NEAR_WIDTH], c
     __m256 const ix = jx - lean * ex, iy = jy - lean * ey, iz = jz - lean * ez;
     __m256 const foot = _mm256_min_ps(_mm256_max_ps(along, zero), length), rest = length - foot;
     near_turn_8(_mm256_broadcast_ss(&low[0]) + (ox + foot * ex), _mm256_broadcast_ss(&low[1]) + (oy + foot * ey),
-                _mm256_broadcast_ss(&low[2]) + (oz + foot * ez), ex, ey, ez, ix, iy, &leaf->frame[0][0]);
-    near_turn_8(iz, ey * iz - ez * iy, ez * ix - ex * iz, ex * iy - ey * ix, foot, rest, h, zero, &leaf->frame[0][8]);
+                _mm256_broadcast_ss(&low[2]) + (oz + foot * ez), ex, ey, ez, ix, iy, leaf->frame, 0);
+    near_turn_8(iz, ey * iz - ez * iy, ez * ix - ex * iz, ex * iy - ey * ix, foot, rest, h, zero, leaf->frame, 8);
     near_put_3(leaf->low, _mm256_min_ps(_mm256_min_ps(ax, bx), cx), _mm256_min_ps(_mm256_min_ps(ay, by), cy),
                _mm256_min_ps(_mm256_min_ps(az, bz), cz));
     near_put_3(leaf->high, _mm256_max_ps(_mm256_max_ps(ax, bx), cx), _mm256_max_ps(_mm256_max_ps(ay, by), cy),
@@ -160,14 +161,13 @@ BVXI_AVX2 static void frame_near_lanes(const float corner[9][BVXI_NEAR_WIDTH], c
 }
 #endif
 
-void bvxi_near_make_leaf(const float corner[9][BVXI_NEAR_WIDTH], const float low[3], int32_t fast, bvxi_near_leaf *leaf)
+void bvxi_near_make_leaf(const uint32_t number[BVXI_NEAR_WIDTH], const float corner[9][BVXI_NEAR_WIDTH], const float low[3],
+                         int32_t fast, bvxi_near_leaf *leaf)
 {
 #if BVXI_HAVE_AVX2
-    if (fast) {
-        frame_near_lanes(corner, low, leaf);
-        return;
-    }
+    if (fast) frame_near_lanes(corner, low, leaf);
 #endif
-    (void)fast;
-    for (int k = 0; k < BVXI_NEAR_WIDTH; k++) frame_near_lane(corner, low, k, leaf);
+    if (!BVXI_HAVE_AVX2 || !fast)
+        for (int k = 0; k < BVXI_NEAR_WIDTH; k++) frame_near_lane(corner, low, k, leaf);
+    for (int k = 0; k < BVXI_NEAR_WIDTH; k++) leaf->frame[k].triangle = number[k];
 }

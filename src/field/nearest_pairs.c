@@ -19,8 +19,8 @@ static void gather_near_packed(const bvxi_nearest *n, bvxi_near_pairs *p)
     const unsigned char *const positions = n->view.positions, *const indices = n->view.indices;
     uint32_t c[BVXI_NEAR_PAIRS][3];
     for (int32_t i = 0; i < p->count; i++) {
-        uint32_t const t = p->triangle[i] = n->order[p->place[i]];
-        memcpy(c[i], indices + (size_t)t * 12, sizeof c[i]);
+        memcpy(c[i], indices + (size_t)p->triangle[i] * 12, sizeof c[i]);
+        for (int v = 0; v < 3; v++) BVXI_NEAR_PREFETCH(positions + (size_t)c[i][v] * 12);
     }
     for (int32_t i = 0; i < p->count; i++)
         for (int v = 0; v < 3; v++) {
@@ -34,7 +34,6 @@ static void gather_near_any(const bvxi_nearest *n, bvxi_near_pairs *p)
 {
     for (int32_t i = 0; i < p->count; i++) {
         double t[3][3];
-        p->triangle[i] = n->order[p->place[i]];
         bvxi_near_corners(n, p->triangle[i], t);
         for (int v = 0; v < 9; v++) p->corner[v][i] = t[v / 3][v % 3];
     }

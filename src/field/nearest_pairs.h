@@ -10,16 +10,23 @@ enum { BVXI_NEAR_PAIRS = 256 };
 typedef struct bvxi_near_pairs {
     double point[3][BVXI_NEAR_PAIRS], corner[9][BVXI_NEAR_PAIRS];
     double closest[3][BVXI_NEAR_PAIRS], distance2[BVXI_NEAR_PAIRS]; /* filled by bvxi_near_evaluate */
-    uint32_t triangle[BVXI_NEAR_PAIRS], place[BVXI_NEAR_PAIRS];
+    uint32_t triangle[BVXI_NEAR_PAIRS];
     int32_t slot[BVXI_NEAR_PAIRS]; /* the caller's */
     int32_t count;
 } bvxi_near_pairs;
 
-/* Take one more pair; there must be room. */
-static inline void bvxi_near_take_pair(bvxi_near_pairs *p, const double point[3], uint32_t place, int32_t slot)
+#if defined(__GNUC__)
+#define BVXI_NEAR_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define BVXI_NEAR_PREFETCH(address) ((void)(address))
+#endif
+
+/* Take one more pair; there must be room. Its corners' numbers are asked for, as the evaluation comes later. */
+static inline void bvxi_near_take_pair(const bvxi_nearest *n, bvxi_near_pairs *p, const double point[3], uint32_t triangle, int32_t slot)
 {
     int32_t const i = p->count++;
-    p->place[i] = place;
+    if (n->view.indices != NULL) BVXI_NEAR_PREFETCH(bvxi_view_index_at(&n->view, triangle));
+    p->triangle[i] = triangle;
     p->slot[i] = slot;
     for (int a = 0; a < 3; a++) p->point[a][i] = point[a];
 }

@@ -30,20 +30,26 @@ typedef struct bvxi_near_node {
  * corners are (-p, 0), (q, 0), (0, h) with p, q, h >= 0. That holds for needles and points as well, without loss. */
 enum {
     BVXI_NEAR_FOOT = 0, BVXI_NEAR_E1 = 3, BVXI_NEAR_E2 = 6, BVXI_NEAR_E3 = 9, BVXI_NEAR_P = 12, BVXI_NEAR_Q = 13, BVXI_NEAR_H = 14,
-    BVXI_NEAR_FRAME = 16 /* floats; the last is 0 */
+    BVXI_NEAR_NUMBERS = 15
 };
+
+/* A line of a cache. */
+typedef struct bvxi_near_frame {
+    float f[BVXI_NEAR_NUMBERS];
+    uint32_t triangle;
+} bvxi_near_frame;
 
 /* Up to eight triangles; the last one again where there are less. */
 typedef struct bvxi_near_leaf {
     float low[3][BVXI_NEAR_WIDTH], high[3][BVXI_NEAR_WIDTH]; /* boxes, relative to the low corner of the leaf's box */
-    float frame[BVXI_NEAR_WIDTH][BVXI_NEAR_FRAME];
+    bvxi_near_frame frame[BVXI_NEAR_WIDTH];
 } bvxi_near_leaf;
 
-/* Nearest triangles that were found on the way, by place in the tree: cubes of 16 x 16 x 16 centres of one window. */
+/* Nearest triangles that were found on the way: cubes of 16 x 16 x 16 centres of one window. */
 typedef struct bvxi_near_memo {
     int32_t low[3], size[3]; /* the window */
-    uint32_t *cube_slot;     /* number of each cube's places, or UINT32_MAX [Size: cubes of the window] */
-    uint32_t *place;         /* in the order of bricks (nearest_walk.c), UINT32_MAX: not known [Size: slots * 4096] */
+    uint32_t *cube_slot;     /* number of each cube's triangles, or UINT32_MAX [Size: cubes of the window] */
+    uint32_t *triangle;      /* in the order of bricks (nearest_walk.h), UINT32_MAX: not known [Size: slots * 4096] */
     uint64_t cubes, slots;
 } bvxi_near_memo;
 
@@ -51,8 +57,7 @@ struct bvxi_nearest {
     bvx_mesh_view view;
     bvx_lattice lattice;
     uint64_t triangle_count, leaf_count;
-    uint32_t *order;         /* place -> triangle; a leaf with less than eight repeats its last [Size: leaf_count * 8] */
-    bvxi_near_leaf *leaves;  /* of places 8 i to 8 i + 7 */
+    bvxi_near_leaf *leaves;
     bvxi_near_node *level[BVXI_NEAR_LEVELS]; /* the lowest first: its children are leaves; the last has one node */
     uint64_t level_nodes[BVXI_NEAR_LEVELS];
     int32_t level_count;
@@ -63,8 +68,10 @@ struct bvxi_nearest {
     bvxi_near_memo *memo;    /* filled by bvxi_nearest_band */
 };
 
-/* Fill a leaf from the corners of its triangles, coordinate by coordinate, in box units relative to the low corner of its box. */
-void bvxi_near_make_leaf(const float corner[9][BVXI_NEAR_WIDTH], const float low[3], int32_t fast, bvxi_near_leaf *leaf);
+/* Fill a leaf from its triangles' numbers and corners, coordinate by coordinate, in box units relative to the low corner of its
+ * box. */
+void bvxi_near_make_leaf(const uint32_t number[BVXI_NEAR_WIDTH], const float corner[9][BVXI_NEAR_WIDTH], const float low[3],
+                         int32_t fast, bvxi_near_leaf *leaf);
 
 bvx_status bvxi_near_build(bvx_context *ctx, const char *stage, double from, double to, const double low[3], const double high[3],
                            bvxi_nearest *n);

@@ -224,7 +224,8 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
 }
 
 /* By numbers and then what is left by places; where numbers cancel too little, all by places. */
-bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, int odd_once, uint64_t **edges, uint64_t *count)
+bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, int odd_once, uint64_t **edges,
+                           uint64_t *count)
 {
     uint64_t *list = NULL, left = 0;
     uint64_t const limit = HOLE_TABLE + view->triangle_count / 2;

@@ -23,7 +23,8 @@ bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bv
 bvx_status bvxi_holes_open_signed(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, bvxi_holes *holes);
 /* hole_edges.c: the edges that triangles run along more often one way than the other, by vertices' numbers, one for all at a place:
  * from << 32 | to, that many times, or with odd_once once where that is odd. The caller frees *edges, [Size: *count * 8] bytes. */
-bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, int odd_once, uint64_t **edges, uint64_t *count);
+bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, int odd_once, uint64_t **edges,
+                           uint64_t *count);
 void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes);
 
 /* The nodes of a sheet over points i .. j, from large to small, without recursion: push the whole, then take until 0. */

@@ -101,7 +101,8 @@ static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *
 
 /* Add triangle i, m, j: half its solid angle, positive on the side away from its normal, as it is for the faces of a closed body
  * from inside. */
-static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const bvxi_seen_point *const q[3], const int64_t p[3], sheet_sum *sum)
+static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const bvxi_seen_point *const q[3], const int64_t p[3],
+                         sheet_sum *sum)
 {
     const double *const a = q[0]->v, *const b = q[1]->v, *const c = q[2]->v;
     double const la = q[0]->length, lb = q[1]->length, lc = q[2]->length, most = 1e-10 * la * lb * lc;

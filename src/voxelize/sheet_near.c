@@ -13,8 +13,9 @@ static double near_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Going by h, an edge from a to b sweeps the parallelogram a, b, b - h, a - h. Both halves of it, a, b, c = b - h and a, c, d = a - h, have
- * the volume - h (a x b) with the origin; half their solid angles are those of the complex numbers below, all edges' a product. */
+/* Going by h, an edge from a to b sweeps the parallelogram a, b, b - h, a - h. Both halves of it, a, b, c = b - h and a, c, d = a - h,
+ * have the volume - h (a x b) with the origin; half their solid angles are those of the complex numbers below, all edges' a
+ * product. */
 int bvxi_sheet_swept(const bvxi_sheet_look *look, const double h[3], double *turns)
 {
     double const hh = near_dot(h, h);

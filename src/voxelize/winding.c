@@ -136,7 +136,9 @@ struct bvxi_winding {
     int32_t rule;
 };
 
-#define WINDING_NEAR 1e-4 /* parts of the sheet are opened until each is off by less */
+#define WINDING_NEAR 1e-3   /* parts of the sheet are opened until each is off by less */
+#define WINDING_AT_END 0.01 /* beyond what that may sum up to, mostly */
+#define WINDING_LEAST 0.001 /* the crossing stays this far inside the edge */
 
 void bvxi_winding_close(bvx_context *ctx, bvxi_winding *winding)
 {
@@ -179,11 +181,13 @@ double bvxi_winding_ratio(const bvxi_winding *winding, const int32_t v[3], int32
     to = bvxi_sheet_angle(&winding->sheet, p, WINDING_NEAR);
     from -= floor(from);
     to -= floor(to);
-    if ((from < 0.5) == (to < 0.5)) { /* not by way of the half: by way of the whole number, to the next half */
+    if ((from < 0.5) == (to < 0.5)) { /* not by way of the half: it is at an end, or the way is by the whole number to the next half */
+        double const near_from = from < 0.5 ? 0.5 - from : from - 0.5, near_to = to < 0.5 ? 0.5 - to : to - 0.5;
+        if (near_from < WINDING_AT_END || near_to < WINDING_AT_END) return near_from < near_to ? WINDING_LEAST : 1 - WINDING_LEAST;
         if (winding->rule == BVX_FILL_VOTE) return 0.5; /* or rows have decided */
         to += to > from ? -1 : 1;
     }
     half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
     t = (half - from) / (to - from);
-    return !(t > 0 && t < 1) ? 0.5 : t < 0.001 ? 0.001 : t > 0.999 ? 0.999 : t;
+    return !(t > 0 && t < 1) ? 0.5 : t < WINDING_LEAST ? WINDING_LEAST : t > 1 - WINDING_LEAST ? 1 - WINDING_LEAST : t;
 }

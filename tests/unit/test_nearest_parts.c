@@ -152,6 +152,7 @@ static void test_nearest_frames_are_near_the_truth(void)
     for (int i = 0; i < 200000; i++) {
         double t[3][3], p[3];
         float corner[9][BVXI_NEAR_WIDTH], low[3], high[3];
+        static const uint32_t number[BVXI_NEAR_WIDTH] = {9, 8, 7, 6, 5, 4, 3, 2};
         bvxi_near_leaf leaf, same;
         int const slot = maker_below(&seed, BVXI_NEAR_WIDTH);
         make_triangle(t);
@@ -166,13 +167,14 @@ static void test_nearest_frames_are_near_the_truth(void)
                     corner[3 * v + a][k] = k == slot ? (float)(t[v][a] - (double)low[a]) : (float)between(0, (double)(high[a] - low[a]));
             reach += fmaxf(origin - low[a], high[a] - origin) + (high[a] - low[a]) + fabsf((float)(p[a] - (double)origin));
         }
-        bvxi_near_make_leaf((const float(*)[BVXI_NEAR_WIDTH])corner, low, 0, &leaf);
-        bvxi_near_make_leaf((const float(*)[BVXI_NEAR_WIDTH])corner, low, 1, &same);
+        bvxi_near_make_leaf(number, (const float(*)[BVXI_NEAR_WIDTH])corner, low, 0, &leaf);
+        bvxi_near_make_leaf(number, (const float(*)[BVXI_NEAR_WIDTH])corner, low, 1, &same);
         for (int k = 0; k < BVXI_NEAR_WIDTH; k++)
-            for (int f = 0; f < BVXI_NEAR_FRAME; f++) TEST_ASSERT_TRUE(leaf.frame[k][f] == same.frame[k][f]);
+            for (int f = 0; f < BVXI_NEAR_NUMBERS; f++) TEST_ASSERT_TRUE(leaf.frame[k].f[f] == same.frame[k].f[f]);
+        for (int k = 0; k < BVXI_NEAR_WIDTH; k++) TEST_ASSERT_TRUE(leaf.frame[k].triangle == number[k] && same.frame[k].triangle == number[k]);
         TEST_ASSERT_EQUAL_INT(0, memcmp(leaf.low, same.low, sizeof leaf.low));
         TEST_ASSERT_EQUAL_INT(0, memcmp(leaf.high, same.high, sizeof leaf.high));
-        const float *const f = leaf.frame[slot];
+        const float *const f = leaf.frame[slot].f;
         float at[3];
         for (int a = 0; a < 3; a++) at[a] = (float)(p[a] - (double)(float)p[a]) + ((float)p[a] - f[a]);
         double const got = sqrt((double)bvxi_near_distance2(f, at[0], at[1], at[2]));
@@ -190,7 +192,6 @@ static void test_nearest_pairs_equal_the_single_evaluation(void)
 {
     enum { TRIANGLES = BVXI_NEAR_PAIRS };
     static double corner[TRIANGLES * 9];
-    static uint32_t order[TRIANGLES];
     static bvxi_near_pairs pairs;
     bvxi_nearest n;
     memset(&n, 0, sizeof n);
@@ -198,7 +199,6 @@ static void test_nearest_pairs_equal_the_single_evaluation(void)
     n.view.vertex_count = TRIANGLES * 3;
     n.view.triangle_count = TRIANGLES;
     n.view.position_type = BVX_F64;
-    n.order = order;
     n.scale = 0.5;
     for (int round = 0; round < 2000; round++) {
         pairs.count = 0;
@@ -208,8 +208,7 @@ static void test_nearest_pairs_equal_the_single_evaluation(void)
             make_point((const double(*)[3])t, p);
             memcpy(corner + 9 * i, t, sizeof t);
             for (int a = 0; a < 3; a++) p[a] *= n.scale;
-            order[i] = (uint32_t)(TRIANGLES - 1 - i);
-            bvxi_near_take_pair(&pairs, p, (uint32_t)(TRIANGLES - 1 - i), i);
+            bvxi_near_take_pair(&n, &pairs, p, (uint32_t)i, i);
         }
         pairs.count -= round % 7;
         bvxi_near_evaluate(&n, 1, &pairs);
