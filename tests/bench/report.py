@@ -218,13 +218,16 @@ tables = (
     ("peers_voxels.md", "Surfaces of voxels by others"),
     ("fills.md", "Fills beside winding numbers"),
     ("refine.md", "Refinement, and its paper's tables"),
+    ("field.md", "Distance fields and repair"),
+    ("peers_field.md", "Distance fields and repair by others"),
+    ("step.md", "The repair paper's experiment"),
 )
 if any(os.path.exists(path(name)) for name, _ in tables):
     rows = []
-    for t in load_lines("voxels.jsonl") + load_lines("refine.jsonl"):
+    for t in sum((load_lines(name + ".jsonl") for name in ("voxels", "refine", "field", "peers_field")), []):
         bound = "at most" if t["below"] else "at least"
         rows.append((t["title"], f"{t['value']:.3g} {t['unit']}", f"{bound} {t['target']:g}", verdict(t["value"], t["target"], t["below"])))
-    say("", "## Voxels: targets")
+    say("", "## Voxels, fields and repair: targets")
     table(("", "measured", "target", ""), rows)
 for name, title in tables:
     if os.path.exists(path(name)):

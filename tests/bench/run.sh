@@ -8,12 +8,14 @@
 #     BENCH_PEERS=0         leave the other libraries out
 #     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
 #     BENCH_ONLY=voxels     surfaces of voxels, fills and refinement alone; their tables are then printed, without a report
+#     BENCH_ONLY=field      distance fields, repair and its paper's experiment alone
+#     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}" "${BENCH_ONLY:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -64,7 +66,22 @@ measure_voxels() {
     "$BENCHES/bench_refine" "$MESHES" "$out" 5 >"$out/refine.md" && cat "$out/refine.md"
 }
 
+measure_field() {
+    rm -f "$out"/field* "$out"/peers_field* "$out/step.md"
+    echo "== distance fields and repair"
+    "$BENCHES/bench_field" "$MESHES" "$out" 9 >"$out/field.md" && cat "$out/field.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_field.py "$out" "$BENCHES/bench_field" "$MESHES"; fi
+    echo "== the repair paper's experiment"
+    "$BENCHES/bench_step" "$MESHES" >"$out/step.md" && cat "$out/step.md"
+}
+
 find_python
+if [ "$BENCH_ONLY" = field ]; then
+    measure_field
+    cat "$out/field.jsonl" "$out/peers_field.jsonl" 2>/dev/null
+    load >>"$out/load"
+    exit 0
+fi
 if [ "$BENCH_ONLY" = voxels ]; then
     measure_voxels
     cat "$out/voxels.jsonl" "$out/refine.jsonl"
@@ -94,6 +111,7 @@ rm -f "$out/files.md"
 if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$out/files.md"; fi
 
 measure_voxels
+measure_field
 
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
