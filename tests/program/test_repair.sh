@@ -1,0 +1,95 @@
+#!/bin/sh
+# test_repair.sh [PROGRAM] - the repair command of the bitvox program. PROGRAM is build/bitvox, or what BITVOX names. One line a
+# check, "ok NAME" or "not ok NAME"; the last line is "N passed, N failed[, N skipped]". Runs in the repository's root, works in a
+# folder of its own.
+set -u
+program=${1:-${BITVOX:-build/bitvox}}
+case $program in
+/*) ;;
+*) program=$PWD/$program ;;
+esac
+knot=$PWD/fixtures/knot.ply
+terrain=$PWD/fixtures/terrain.ply
+meshes=$PWD/../shared/meshes
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM
+cd "$work" || exit 1
+passed=0 failed=0 skipped=0
+
+result() { # NAME, 0 OR 1
+    if [ "$2" = 0 ]; then
+        passed=$((passed + 1)) && echo "ok $1"
+    else
+        failed=$((failed + 1)) && echo "not ok $1" && sed 's/^/#   /' err | head -n 5
+    fi
+}
+
+run() { # ARGUMENTS...: sets $status; out and err hold what was said
+    "$program" "$@" >out 2>err </dev/null
+    status=$?
+}
+
+# The result is certified by info, a second reading of the file.
+certified() { # NAME, IN, OPTIONS...
+    name=$1 in=$2
+    shift 2
+    rm -f result.ply
+    run repair "$in" -o result.ply --quiet "$@"
+    [ $status = 0 ] && [ ! -s err ] && "$program" info result.ply --json 2>>err | grep -q '"closed": true, "manifold": true, "oriented": true'
+    result "$name" $?
+}
+
+refuses() { # STATUS, WORDS, ARGUMENTS...: one line with these words, and no file
+    want=$1 words=$2
+    shift 2
+    rm -f result.ply
+    run repair "$@"
+    [ $status = "$want" ] && [ "$(wc -l <err)" = 1 ] && grep -q "$words" err && [ ! -e result.ply ]
+    result "refused ($want): $words" $?
+}
+
+# The knot as text, less a third of its triangles; and with every fifth turned over.
+"$program" convert "$knot" -o knot.obj --quiet
+awk '/^f / { if (++n % 3 == 0) next } { print }' knot.obj >holes.obj
+awk '/^f / { if (++n % 5 == 0) { print "f", $3, $2, $4; next } } { print }' knot.obj >flipped.obj
+
+certified 'closed mesh' "$knot" --resolution 96
+certified 'holes' holes.obj --resolution 64
+certified 'flipped triangles' flipped.obj --resolution 64
+certified 'open terrain becomes a shell' "$terrain" --resolution 64
+certified 'sharp' "$knot" --resolution 48 --sharp
+for how in vector scalar middle paper tangent; do certified "interpolation $how" holes.obj --resolution 32 --interpolation $how; done
+for sign in exact winding vote; do certified "sign $sign" holes.obj --resolution 32 --sign $sign; done
+certified 'most triangles' "$knot" --resolution 64 --triangles 3000
+certified 'clean' holes.obj --resolution 48 --least-part 20 --least-cavity 20
+
+run repair flipped.obj -o result.ply --resolution 48 --measure --json
+grep -q '"repair": {"sign": "vote", "holes": 0,' out && grep -q '"mean_off_caps": ' out && grep -q '"volume_after": ' out
+result 'report for programs' $?
+run repair holes.obj -o result.ply --resolution 48 --measure
+grep -q '^  found       open' out && grep -q '^  holes  ' out && grep -q 'closed, manifold, oriented' out && grep -q '^  distance' out
+result 'text' $?
+for n in 1 3; do "$program" repair holes.obj -o t$n.ply --resolution 64 --threads $n --quiet; done
+cmp -s t1.ply t3.ply
+result 'threads do not show' $?
+
+refuses 1 'No such file' missing.ply -o result.ply
+refuses 2 'no mesh format' "$knot" -o result.npy
+refuses 1 'shell of 1 voxels' "$knot" -o result.ply --shell 1
+refuses 2 'takes one of' "$knot" -o result.ply --interpolation round
+refuses 2 'takes one of' "$knot" -o result.ply --sign normal
+refuses 2 'whole number' "$knot" -o result.ply --resolution 0
+refuses 1 'below least_part' "$knot" -o result.ply --resolution 16 --least-part 1000000
+printf 'v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n' >line.obj
+refuses 1 'has an area' line.obj -o result.ply
+
+if [ -d "$meshes" ]; then
+    for mesh in "$meshes"/*; do certified "$(basename "$mesh")" "$mesh" --resolution 48; done
+else
+    echo "ok real meshes # SKIP ../shared/meshes is missing"
+    skipped=$((skipped + 1))
+fi
+
+echo "$passed passed, $failed failed, $skipped skipped"
+[ $failed = 0 ]
