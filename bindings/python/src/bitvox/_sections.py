@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
@@ -160,6 +161,20 @@ def new_sections() -> Any:
     return ffi.gc(ffi.new("bvx_sections *"), free)
 
 
+def _stack_of(source: Any) -> Sections:
+    """Sections as they are, the contours of a file, or loops."""
+    if isinstance(source, Sections):
+        return source
+    if not isinstance(source, (str, os.PathLike)):
+        return Sections(source)
+    from ._files import read
+
+    found = read(source)
+    if not isinstance(found, Sections):
+        raise ArgumentError(f"{os.fspath(source)} holds no contours; .csl and .csv do")
+    return found
+
+
 def from_sections(
     sections: Any,
     *,
@@ -178,7 +193,7 @@ def from_sections(
     """The closed surface of a body through all of its section contours.
 
     Args:
-        sections: `Sections`, or loops (n, 3) on planes across z.
+        sections: `Sections`, the path of a ``.csl`` or ``.csv`` file, or loops (n, 3) on planes across z.
         grid: cells along the planes' two axes, or ``spacing``: the side of a square cell [world]. Default: twice the mean length
             of the contours' segments.
         layers: cells from section to section.
@@ -195,7 +210,7 @@ def from_sections(
         FormatError: loops that cross or touch, points off their plane: section, loop and point are named.
     """
     build = function("bvx_build_sections")
-    given = sections if isinstance(sections, Sections) else Sections(sections)
+    given = _stack_of(sections)
     options = options_of("sections_options")
     if grid is not None:
         if spacing is not None:
