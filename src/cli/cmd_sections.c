@@ -296,5 +296,5 @@ const cli_command cli_sections = {
     "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
     "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
     "grid, and how many distances were not needed. --block-model writes blocks with the share inside.",
-    "bitvox sections ore.csl -o ore.ply --caps taper\n"
-    "bitvox sections ore.csv -o ore.ply --block-model ore_blocks.csv --block 10,10,5", run_sections};
+    "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
+    "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1", run_sections};

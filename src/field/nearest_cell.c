@@ -194,7 +194,7 @@ static void push_near_children(bvxi_near_cell *cell, int32_t level, uint32_t fir
 #if BVXI_HAVE_AVX2
 #define NEAR_CELL_PATH(fast, plain, vectors) ((fast) ? vectors : plain)
 #else
-#define NEAR_CELL_PATH(fast, plain, vectors) plain
+#define NEAR_CELL_PATH(fast, plain, vectors) ((void)(fast), plain)
 #endif
 
 BVXI_VECTOR_INLINE void begin_near_search(const bvxi_nearest *n, const bvxi_near_start *start, int fast, bvxi_near_cell *cell)

@@ -290,7 +290,7 @@ BVXI_AVX2 static int32_t find_near_winners_avx2(const bvxi_near_leaf *leaves, co
 }
 #define NEAR_PATH(fast, plain, vectors) ((fast) ? vectors : plain)
 #else
-#define NEAR_PATH(fast, plain, vectors) plain
+#define NEAR_PATH(fast, plain, vectors) ((void)(fast), plain)
 #endif
 
 /* ---- Which path ---- */

@@ -2,7 +2,7 @@
 #ifndef BVXI_SECTION_TRACE_H
 #define BVXI_SECTION_TRACE_H
 
-#include "section/field.h"
+#include "section/section_field.h"
 
 /* Cell faces as bits: a loop's vertices say on which they lie. Sides are counter-clockwise from low v. */
 enum { BVXI_FACE_BELOW = 1, BVXI_FACE_ABOVE = 2, BVXI_FACE_SIDE = 4 };

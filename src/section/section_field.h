@@ -1,4 +1,4 @@
-/* field.h - the field over one slab: distances at grid points of both planes, the surface's crossings of the lines between them.
+/* section_field.h - the field over one slab: distances at grid points of both planes, the surface's crossings of the lines between them.
  *
  * Levels are the planes from cell to cell: level 0 is the plane below, level layers the one above, those between are blends. */
 #ifndef BVXI_SECTION_FIELD_H

@@ -1,9 +1,9 @@
-/* field.c - signed distances where the surface asks for them, and its crossings of the lines between two planes.
+/* section_field.c - signed distances where the surface asks for them, and its crossings of the lines between two planes.
  *
  * A line over a grid point (or a corner of a subdivided cell) is crossed where the point is inside on one plane and outside on
  * the other: at the share of both distances, kept a little off the planes. A plane without loops is as deep outside
  * everywhere as the other plane's widest place is inside: the body narrows to a ridge there. */
-#include "section/field.h"
+#include "section/section_field.h"
 
 #define FIELD_MARGIN (1.0 / 1024.0)
 
