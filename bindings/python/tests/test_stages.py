@@ -209,6 +209,21 @@ def test_seed():
     assert not bitvox.find_seed(shell, limit=1).found
 
 
+def test_refine_to_a_resolution_and_files_of_trees(knot):
+    tree = bitvox.refine(knot, resolution=64)
+    assert max(tree.lattice().shape) >= 64
+    data = bitvox.dumps(tree, "bvx")
+    again = bitvox.loads(data, "bvx")
+    assert isinstance(again, bitvox.Octree) and bitvox.dumps(again, "bvx") == data
+    assert again.expand() == tree.expand()
+    with pytest.raises(bitvox.FormatError):
+        bitvox.loads(data[:-1], "bvx")
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.loads(data, "bvx", window=((0, 0, 0), (1, 1, 1)))
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.refine(knot, base=bitvox.Lattice.fit(knot, resolution=8), resolution=64)
+
+
 def test_octree(knot):
     tree = bitvox.refine(knot, base=8, levels=3)
     assert tree.levels == 3

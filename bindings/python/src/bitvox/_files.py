@@ -15,6 +15,7 @@ from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
 MESH_FORMATS = ("stl", "obj", "ply", "off")
 MESH_OUTPUTS = (*MESH_FORMATS, "glb")
 GRID_FORMATS = ("npy", "binvox", "vox", "nrrd", "vti", "bvx")
+_TREE_MAGIC = b"\x89BVO"
 _BESIDE = ("npy", "vox")  # the lattice stands in FILE.json
 
 
@@ -111,6 +112,8 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     held = ffi.from_buffer(data)
     if close_gap is not None and kind not in SECTION_FORMATS:
         raise ArgumentError("close_gap is for sections")
+    from ._octree import Octree
+
     with Run(threads, memory_limit, progress) as run:
         if kind in MESH_FORMATS:
             if window is not None or lattice is not None:
@@ -122,6 +125,12 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
             if window is not None or lattice is not None:
                 raise ArgumentError("window and lattice are for grids")
             return read_sections(held, _number(kind), close_gap, run)
+        if kind == "bvx" and bytes(ffi.buffer(held, min(4, len(held)))) == _TREE_MAGIC:
+            if window is not None or lattice is not None:
+                raise ArgumentError("window and lattice are for grids; this file holds an octree")
+            tree = ffi.new("bvx_octree **")
+            run.check(lib.bvx_read_octree(run.context, held, len(held), tree))
+            return Octree(ffi.gc(tree[0], lib.bvxpy_free_octree))
         if kind in GRID_FORMATS:
             grid = new_grid()
             box = ffi.new("bvx_window *")
@@ -139,7 +148,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
 def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, threads: int | None = None, memory_limit: int | None = None,
           progress: Progress = None) -> bytes:
     """The bytes of a file: a mesh as stl, obj, ply, off or glb; a grid as npy, binvox, vox, nrrd, vti or bvx; an octree as
-    vtu; a field as npy, nrrd or vti; sections as csl, csv or svg; an image as png."""
+    vtu or bvx; a field as npy, nrrd or vti; sections as csl, csv or svg; an image as png."""
     from ._field import Field
     from ._image import Image
     from ._octree import Octree, states_of
@@ -155,8 +164,9 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
             return thing.png()
         if isinstance(thing, Grid) and kind in GRID_FORMATS:
             run.check(lib.bvx_write_grid(run.context, thing._c, _number(kind), out))
-        elif isinstance(thing, Octree) and kind == "vtu":
-            run.check(lib.bvx_write_octree(run.context, thing._c, states_of(states), _number(kind), out))
+        elif isinstance(thing, Octree) and kind in ("vtu", "bvx"):
+            chosen = states_of(states) if kind == "vtu" else 0
+            run.check(lib.bvx_write_octree(run.context, thing._c, chosen, _number(kind), out))
         elif isinstance(thing, Sections) and kind in SECTION_OUTPUTS:
             run.check(function("bvx_write_sections")(run.context, thing._struct(run), _number(kind), out))
         elif isinstance(thing, Field) and kind in ("npy", "nrrd", "vti"):

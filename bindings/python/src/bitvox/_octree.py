@@ -156,11 +156,21 @@ def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
     return Mesh._made(made)
 
 
+def _base_of(run: Run, source: Mesh, base: Any, resolution: int | None, options: Any) -> Lattice:
+    """The lattice of level 0; with a resolution the library chooses it and sets the options' levels."""
+    if resolution is None:
+        return Lattice.fit(source, resolution=base)
+    chosen = ffi.new("bvx_lattice *")
+    run.check(lib.bvx_refine_choose(run.context, source._view(run), in_range("resolution", resolution, 1, 1 << 25), options, chosen))
+    return Lattice._of(chosen)
+
+
 def refine(
     mesh: Any,
     *,
     base: Any = 8,
     levels: int = 6,
+    resolution: int | None = None,
     window: WindowLike = None,
     outer_levels: int | None = None,
     tolerance: float = 0.0,
@@ -175,6 +185,7 @@ def refine(
         mesh: what `Mesh.of` takes.
         base: voxels along the longest axis before any is halved, or the `Lattice` of level 0.
         levels: how many times voxels that triangles touch are halved.
+        resolution: voxels of the last level along the longest axis, at least; base and levels are then chosen for least time.
         window: voxels of the last level; beyond it voxels are halved ``outer_levels`` times only.
         tolerance: a voxel whose triangles lie within this distance of one plane is not halved [world].
         start_level: levels up to this one come from one grid; -1 chooses. Shows in time and memory only.
@@ -182,6 +193,8 @@ def refine(
     Returns:
         An `Octree`.
     """
+    if resolution is not None and isinstance(base, Lattice):
+        raise ArgumentError("resolution chooses the base; give one of the two")
     options = options_of("refine_options")
     options.levels = in_range("levels", levels, 0, 25)
     options.start_level = in_range("start_level", start_level, -1, 25)
@@ -192,8 +205,8 @@ def refine(
             raise ArgumentError("outer_levels is taken together with window")
         options.outer_levels = in_range("outer_levels", outer_levels, 0, 25)
     source = Mesh.of(mesh)
-    lattice = base if isinstance(base, Lattice) else Lattice.fit(source, resolution=base)
     out = ffi.new("bvx_octree **")
     with Run(threads, memory_limit, progress) as run:
+        lattice = base if isinstance(base, Lattice) else _base_of(run, source, base, resolution, options)
         run.check(lib.bvx_refine(run.context, source._view(run), lattice._c, options, out))
     return Octree(ffi.gc(out[0], lib.bvxpy_free_octree))
