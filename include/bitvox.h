@@ -1324,9 +1324,10 @@ typedef struct bvx_repair_report {
 
 typedef struct bvx_repair_options {
     size_t struct_size;
-    const bvx_lattice *lattice;  /**< to work on, [Default: NULL, fitted by resolution with 2 voxels of padding] */
+    const bvx_lattice *lattice;  /**< to work on [Default: NULL, fitted by resolution with padding of 2 voxels and half a shell] */
     int32_t resolution;          /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256] */
-    int32_t sign;                /**< BVX_SIGN_... but NONE [Default: BVX_SIGN_AUTO: WINDING, or VOTE where triangles are flipped] */
+    int32_t sign;                /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Default: BVX_SIGN_AUTO: WINDING, or VOTE where triangles
+                                      are flipped] */
     int32_t interpolation;       /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
     int32_t face_rule;           /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
     int32_t sharp;               /**< as for bvx_extract_field_surface [Default: 0] */

@@ -62,9 +62,7 @@ static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)
 /* The half-width in the world; infinity where doubles do not hold it. */
 static double measure_width(const bvx_lattice *l, double half_width)
 {
-    double s = l->spacing[0] > l->spacing[1] ? l->spacing[0] : l->spacing[1];
-    s = l->spacing[2] > s ? l->spacing[2] : s;
-    return half_width * s;
+    return half_width * bvxi_largest_spacing(l);
 }
 
 /* No distance within width, from a finite centre to the mesh, is beyond what numbers of the field hold. */

@@ -18,12 +18,6 @@ static uint64_t grid_voxels(const bvx_grid *grid)
     return bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
 }
 
-static double largest_spacing(const bvx_lattice *l)
-{
-    double const s = l->spacing[0] > l->spacing[1] ? l->spacing[0] : l->spacing[1];
-    return l->spacing[2] > s ? l->spacing[2] : s;
-}
-
 /* ---- a lattice without a band ---- */
 
 static void set_every_voxel(bvx_grid *grid)
@@ -155,7 +149,7 @@ bvx_status bvxi_sign_features(bvx_context *ctx, const char *function, const char
 {
     uint64_t const values = sides->first[bvxi_grid_rows(sides->band)];
     int const whole = memcmp(inside->size, inside->lattice.dims, sizeof inside->size) == 0;
-    double const voxel = largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
+    double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
     if (values == grid_voxels(inside)) return sign_band(ctx, function, stage, from, to, sides, sign, inside);
     if (!whole || width < voxel) return sign_as_whole(ctx, function, stage, from, to, nearest, enough, sides, sign, inside);
     if (values == 0) return sign_by_first_centre(ctx, function, stage, from, nearest, sides, sign, inside);

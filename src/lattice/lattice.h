@@ -21,6 +21,13 @@ bvx_status bvxi_lattice_check(bvx_context *ctx, const char *function, const bvx_
 bvx_status bvxi_window_take(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
                             const bvx_window *given, bvx_window *window);
 int bvxi_lattice_equal(const bvx_lattice *a, const bvx_lattice *b);
+/* The longest edge of a voxel. */
+static inline double bvxi_largest_spacing(const bvx_lattice *l)
+{
+    double const s = l->spacing[0] > l->spacing[1] ? l->spacing[0] : l->spacing[1];
+    return s > l->spacing[2] ? s : l->spacing[2];
+}
+
 /* Fraction bits for an extent of n voxels: min(16, 29 - ceil(log2 n)). */
 int32_t bvxi_fraction_bits(int32_t n);
 

@@ -29,6 +29,8 @@ extern const char bvxi_repair_name[];
 /* repair_input.c: what the mesh is, its sign, its triangles once each, its pieces. */
 bvx_status bvxi_repair_take(bvxi_repair_job *job);
 void bvxi_repair_let_go(bvxi_repair_job *job);
+/* A view of triangles that are listed, over the given mesh's vertices. */
+void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count, bvx_mesh_view *view);
 
 /* repair_lattice.c: the lattice of a resolution, or the one that was given. */
 bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution);

@@ -15,8 +15,7 @@ static void choose_sign(bvxi_repair_job *job)
     job->fill = sign == BVX_SIGN_EXACT ? BVX_FILL_PARITY : sign == BVX_SIGN_VOTE ? BVX_FILL_VOTE : BVX_FILL_WINDING;
 }
 
-/* A view of triangles that are listed. */
-static void view_corners(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count, bvx_mesh_view *view)
+void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count, bvx_mesh_view *view)
 {
     *view = *job->given;
     view->indices = corner;
@@ -31,7 +30,7 @@ static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *represen
     if (job->report.before.duplicates + job->report.before.collapsed == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the triangles once each", &job->corner));
     BVXI_TRY(bvxi_drop_duplicates(job->ctx, job->given, representative, job->corner, &kept));
-    view_corners(job, job->corner, kept, &job->mesh);
+    bvxi_repair_view(job, job->corner, kept, &job->mesh);
     return BVX_OK;
 }
 

@@ -1,7 +1,7 @@
 /* repair_report.c - what a repair found and how near it stayed: holes, overlaps, distances.
  *
- * Triangles over holes are those with a vertex further than a voxel from the input: beyond half a voxel's diagonal no crossing next
- * to the input's surface lies. */
+ * Triangles over holes are those with a vertex further than 0.6 of a voxel's diagonal from the input: a crossing that the input's
+ * surface makes lies nearer. */
 #include "mesh/closest_query.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"

@@ -53,8 +53,7 @@ static int is_set_at(const bvx_grid *solid, const double p[3])
 static int has_solid_behind(const bvx_grid *solid, const double p[3][3], const double n[3], double length)
 {
     static const double depth[4] = {-0.5, -1.0, 0.5, 1.0};
-    const double *const h = solid->lattice.spacing;
-    double const step = h[0] > h[1] ? (h[0] > h[2] ? h[0] : h[2]) : (h[1] > h[2] ? h[1] : h[2]);
+    double const step = bvxi_largest_spacing(&solid->lattice);
     double at[3];
     for (int d = 0; d < 4; d++) {
         for (int a = 0; a < 3; a++) at[a] = (p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * (depth[d] * step);
@@ -121,15 +120,6 @@ static int is_sheet(const piece_sums *s)
     return s->area > 0 && (s->lid >= SHEET_LID * s->area || s->kept < SHEET_KEPT * s->area);
 }
 
-static void set_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count, bvx_mesh_view *view)
-{
-    *view = *job->given;
-    view->indices = corner;
-    view->index_type = BVX_U32;
-    view->index_stride = 0;
-    view->triangle_count = count;
-}
-
 /* Triangles of bodies first, those of sheets last; pieces without area are left out. */
 static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums, uint64_t sheet_triangles)
 {
@@ -144,8 +134,8 @@ static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums, uint
         piece = &sums[job->piece[c[0]]];
         if (piece->area > 0) memcpy(job->parted + 3 * next[is_sheet(piece)]++, c, sizeof c);
     }
-    set_view(job, job->parted, next[0], &job->body);
-    set_view(job, job->parted + 3 * sheets, sheet_triangles, &job->sheets);
+    bvxi_repair_view(job, job->parted, next[0], &job->body);
+    bvxi_repair_view(job, job->parted + 3 * sheets, sheet_triangles, &job->sheets);
     return BVX_OK;
 }
 
@@ -175,8 +165,7 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
 
 bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job)
 {
-    const double *const h = job->lattice.spacing;
-    double const most = h[0] > h[1] ? (h[0] > h[2] ? h[0] : h[2]) : (h[1] > h[2] ? h[1] : h[2]);
+    double const most = bvxi_largest_spacing(&job->lattice);
     uint64_t const words = job->grid_bytes / 8, rows = bvxi_grid_rows(&job->inside);
     bvxi_nearest *nearest = NULL;
     uint64_t *first = NULL;

@@ -81,12 +81,6 @@ static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, con
     return status;
 }
 
-static double shell_spacing(const bvx_lattice *l)
-{
-    double const a = l->spacing[0] > l->spacing[1] ? l->spacing[0] : l->spacing[1];
-    return a > l->spacing[2] ? a : l->spacing[2];
-}
-
 /* The shell's surface lies half its thickness off the sheet, along the way to the sheet. */
 static void shell_value(double thick, double vector[3], double *distance)
 {
@@ -98,7 +92,7 @@ static void shell_value(double thick, double vector[3], double *distance)
 /* The union of body and shell: signed distances, the lesser one's value. */
 static void join_values(const bvxi_repair_job *job, repair_values *v, const double *vectors, const double *distances)
 {
-    double const thick = 0.5 * job->options->shell * shell_spacing(&job->lattice);
+    double const thick = 0.5 * job->options->shell * bvxi_largest_spacing(&job->lattice);
     size_t const words = (size_t)v->where.words_per_row;
     uint64_t n = 0;
     for (size_t i = 0; i < words * (size_t)v->rows; i++)

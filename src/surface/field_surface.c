@@ -181,7 +181,7 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     cuts.march = &m;
     cuts.values = values;
     cuts.interpolation = options->interpolation;
-    for (int32_t a = 0; a < 3; a++) cuts.unit = inside->lattice.spacing[a] > cuts.unit ? inside->lattice.spacing[a] : cuts.unit;
+    cuts.unit = bvxi_largest_spacing(&inside->lattice);
     if (status == BVX_OK)
         status = options->sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
                                 : make_plain(ctx, &m, &cuts, surface, &report);

@@ -154,14 +154,12 @@ static void fill_sheet(bvxi_sheet *s)
 bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped, const bvx_lattice *lattice,
                            bvxi_sheet *sheet)
 {
-    double largest = lattice->spacing[0];
+    double const largest = bvxi_largest_spacing(lattice);
     bvx_status status;
     memset(sheet, 0, sizeof *sheet);
     sheet->holes = holes;
     sheet->xyz = snapped->xyz;
     sheet->fraction_bits = lattice->fraction_bits;
-    for (int a = 1; a < 3; a++)
-        if (lattice->spacing[a] > largest) largest = lattice->spacing[a];
     for (int a = 0; a < 3; a++) {
         sheet->step[a] = lattice->spacing[a] / largest;
         sheet->scale[a] = sheet->step[a] / (double)(1 << lattice->fraction_bits);
