@@ -71,11 +71,21 @@ def test_bands_windows_and_options():
     assert (plain.distances >= 0).all() and plain.sign == "none"
     part = bitvox.field(TETRAHEDRON, lattice=bitvox.field(TETRAHEDRON, resolution=12).lattice, window=((2, 3, 4), (5, 6, 7)))
     assert part.shape == (5, 6, 7) and part.band.low == (2, 3, 4)
-    for options in ({"half_width": 0.0}, {"half_width": float("nan")}, {"sign": "perhaps"}, {"dtype": "int8"}, {"window": ((90, 0, 0), (1, 1, 1))}):
+    for options in ({"half_width": -1.0}, {"half_width": float("nan")}, {"sign": "perhaps"}, {"dtype": "int8"}, {"window": ((90, 0, 0), (1, 1, 1))}):
         with pytest.raises(bitvox.Error):
             bitvox.field(TETRAHEDRON, resolution=12, **options)
     with pytest.raises(bitvox.Error):
         bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0).to_numpy(far="propagated")
+    whole = bitvox.field(TETRAHEDRON, resolution=12, half_width=0, padding=1)  # 0 as the program takes it
+    assert whole.half_width == np.inf and whole.shape == (14, 14, 14) and whole.band.count == 14**3
+    assert bitvox.field(TETRAHEDRON, resolution=12).shape == (18, 18, 18)  # room for a band of three
+    placed = bitvox.field(TETRAHEDRON, spacing=0.25, corner=(-1, -1, -1))
+    assert placed.lattice.corner == (-1, -1, -1) and placed.shape == (8, 8, 8)
+    for options in ({"lattice": placed.lattice, "padding": 2}, {"lattice": placed.lattice, "corner": (0, 0, 0)}):
+        with pytest.raises(bitvox.ArgumentError):
+            bitvox.field(TETRAHEDRON, **options)
+    with pytest.raises(bitvox.ArgumentError):
+        whole.surface(sharp_angle=0.5)
     far = bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0, features=True).to_numpy(far="propagated")
     assert far.max() > 1.5 * bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0).half_width
 
@@ -94,7 +104,7 @@ def test_field_files(tmp_path):
 
 
 @needs_surface
-@pytest.mark.parametrize("interpolation", [None, "vector", "scalar", "middle", "paper"])
+@pytest.mark.parametrize("interpolation", ["tangent", "vector", "scalar", "middle", "paper"])
 def test_surface_of_a_field(interpolation):
     ball = bitvox.surface(ball_grid(), dtype="float64")
     surface = bitvox.field(ball, resolution=30).surface(interpolation=interpolation)
@@ -125,13 +135,18 @@ def test_repair(knot):
     report = mended.report
     assert report.holes >= 1 and report.before.boundary_edges > 0 and report.after.closed and report.lattice.shape
     assert report.distance.samples == 1000 and report.distance.mean > 0
+    assert report.sign == "winding"
+    painted = bitvox.Mesh(torn.vertices, torn.faces, colours=np.tile([9, 8, 7], (torn.n_vertices, 1)))
+    carried = bitvox.repair(painted, resolution=40, carry=True)
+    assert carried.colours[:, :3].tolist() == [[9, 8, 7]] * carried.n_vertices and carried.report.after.closed
+    assert carried == bitvox.repair(torn, resolution=40)
     small = bitvox.repair(torn, resolution=80, triangles=3000)
     assert small.n_faces <= 3000 and small.check().closed
     sheet = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     assert bitvox.repair(sheet, resolution=20).check().closed
     with pytest.raises(bitvox.EmptyError):
         bitvox.repair(sheet, resolution=20, shell=0.0)
-    for options in ({"sign": "none"}, {"shell": 0.3}, {"measure_samples": 5}, {"resolution": 3, "lattice": bitvox.Lattice((4, 4, 4))}):
+    for options in ({"sign": "none"}, {"sign": "normal"}, {"shell": 0.3}, {"measure_samples": 5}, {"resolution": 3, "lattice": bitvox.Lattice((4, 4, 4))}):
         with pytest.raises(bitvox.Error):
             bitvox.repair(torn, **options)
 

@@ -45,7 +45,7 @@ def test_labels_and_refusals():
     both = Sections([Loop(p, "ore") for p in stack()] + [Loop(p + [9, 0, 0], "waste") for p in stack(3)])
     assert both.surface(label="ore").check().volume == pytest.approx(72)
     assert both.surface(label="waste").check().volume == pytest.approx(48)
-    with pytest.raises(bitvox.ArgumentError):
+    with pytest.raises(bitvox.ArgumentError, match="label= one of 'ore', 'waste'"):
         both.surface()
     with pytest.raises(bitvox.ArgumentError, match="gold"):
         both.surface(label="gold")
@@ -54,7 +54,7 @@ def test_labels_and_refusals():
     crossed = SQUARE[[0, 2, 1, 3]]
     with pytest.raises(bitvox.FormatError):
         bitvox.from_sections(stack(points=crossed))
-    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"depth": 9}, {"crossings": "x"}):
+    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"subdivide": 9}, {"crossings": "x"}):
         with pytest.raises(bitvox.Error):
             bitvox.from_sections(stack(), **options)
 
@@ -70,6 +70,14 @@ def test_slices_of_a_mesh():
     for options in ({}, {"spacing": 1.0, "positions": [1.0]}, {"spacing": -1.0}, {"positions": []}, {"spacing": 1, "normal": (0, 0, 0)}):
         with pytest.raises(bitvox.Error):
             bitvox.slice_mesh(ball, **options)
+    across = bitvox.slice_mesh(ball, axis="x", spacing=2.0)
+    assert across.normal == (1.0, 0.0, 0.0)
+    grid = bitvox.Grid.from_numpy(ball_grid())
+    assert bitvox.dumps(bitvox.slice_mesh(grid, axis="x", spacing=2.0), "csl") == bitvox.dumps(across, "csl")
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.slice_mesh(ball, axis="x", normal=(1, 0, 0), spacing=1.0)
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.slice_mesh(ball, axis="w", spacing=1.0)
     points = sections.loops[0].points
     expected = points.copy()
     del sections

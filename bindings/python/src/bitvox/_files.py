@@ -79,17 +79,20 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
     """Read a mesh or a grid.
 
     Args:
-        path: .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids), .csl .csv (sections), each also as .gz; .amf .3mf .glb and
-            other meshes that trimesh reads, with ``bitvox[formats]``. Beside .npy and .vox, FILE.json tells the lattice.
+        path: .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
+            each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .dxf (sections)
+            with ``bitvox[geo]``; the .dcm of an RTSTRUCT (sections) with ``bitvox[medical]``. Beside .npy and .vox, FILE.json
+            tells the lattice.
         format: one of these endings, in place of the name's own.
         window: of a grid: only these voxels, counted from the file's own first one.
         close_gap: of .csv: refuse loops whose ends lie further apart than this [world]; None closes every loop.
 
     Returns:
-        A `Mesh`, a `Grid` or `Sections`.
+        A `Mesh`, a `Grid`, an `Octree` or `Sections`.
 
     Raises:
-        FormatError: what is wrong with which byte or line. OSError: as `open`.
+        FormatError: what is wrong with which byte or line. UnsupportedError: no such format, or one that needs more options
+        (`bitvox.formats`). MissingExtraError: which extra reads it. OSError: as `open`.
     """
     path = os.fspath(path)
     kind = _format_of(path, format)

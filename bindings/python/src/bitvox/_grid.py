@@ -9,7 +9,7 @@ from . import _arrays as arrays
 from ._errors import ArgumentError, FormatError, LatticeError
 from ._lattice import Lattice, WindowLike, set_window
 from ._records import record
-from ._run import Run, ffi, lib
+from ._run import Progress, Run, ffi, lib
 
 _AND, _OR, _XOR, _MINUS = range(4)
 
@@ -242,14 +242,19 @@ class Grid:
 
     # ---- questions ----
 
-    def compare(self, other: Grid) -> Any:
-        """What two grids share and where they differ: a named tuple with the fields of ``bvx_grid_difference``."""
+    def compare(self, other: Grid, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
+        """What two grids share and where they differ: a named tuple with the fields of ``bvx_grid_difference``.
+
+        Raises:
+            LatticeError: they do not share lattice and window.
+        """
         out = ffi.new("bvx_grid_difference *")
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_compare(run.context, self._c, other._c, out))
         return record(out)
 
-    def cast(self, rays: Any, *, t_max: float = float("inf")) -> Any:
+    def cast(self, rays: Any, *, t_max: float = float("inf"), threads: int | None = None, memory_limit: int | None = None,
+             progress: Progress = None) -> Any:
         """Where rays first meet a set voxel.
 
         Args:
@@ -261,11 +266,12 @@ class Grid:
         """
         given = arrays.numbers_in(rays, "rays", 6)
         out = ffi.new("bvx_ray_hit[]", max(1, given.count))
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_cast(run.context, self._c, ffi.cast("double *", given.pointer), given.count, t_max, out))
         return arrays.records_at(out, "bvx_ray_hit", given.count, out)
 
-    def sample(self, points: Any, *, gradients: bool = False) -> Any:
+    def sample(self, points: Any, *, gradients: bool = False, threads: int | None = None, memory_limit: int | None = None,
+               progress: Progress = None) -> Any:
         """Trilinear samples at points: 1 at the centres of set voxels, 0 at those of others and beyond the window.
 
         Args:
@@ -278,14 +284,15 @@ class Grid:
         given = arrays.numbers_in(points, "points", 3)
         values = ffi.new("double[]", max(1, given.count))
         slopes = ffi.new("double[]", max(1, 3 * given.count)) if gradients else ffi.NULL
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_sample(run.context, self._c, ffi.cast("double *", given.pointer), given.count, values, slopes))
         first = arrays.array_at(values, "float64", (given.count,), values, writable=True)
         if not gradients:
             return first
         return first, arrays.array_at(slopes, "float64", (given.count, 3), slopes, writable=True)
 
-    def fill(self, seeds: Any, *, connectivity: int = 6) -> Grid:
+    def fill(self, seeds: Any, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
+             progress: Progress = None) -> Grid:
         """All voxels that are connected with one of the seeds through empty voxels.
 
         Args:
@@ -294,7 +301,7 @@ class Grid:
         """
         given = arrays.numbers_in(seeds, "seeds", 3, "int32")
         made = new_grid()
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_fill(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, connectivity, made))
         return Grid._made(made)
 

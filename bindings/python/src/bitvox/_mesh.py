@@ -8,7 +8,7 @@ from typing import Any, Sequence
 from . import _arrays as arrays
 from ._errors import ArgumentError, RangeError
 from ._records import record
-from ._run import Run, ffi, lib
+from ._run import Progress, Run, ffi, lib
 
 _POSITIONS = {"float32": "BVX_F32", "float64": "BVX_F64"}
 
@@ -184,7 +184,8 @@ class Mesh:
     def _view(self, run: Run) -> Any:
         """A bvx_mesh_view; run keeps what it points at."""
         view = ffi.new("bvx_mesh_view *")
-        v = arrays.borrow_vertices(self._vertices)
+        v = arrays.borrow_vertices(self.in_world() if any(self.frame) else self._vertices)
+        run.keep(v.keep)
         view.positions, view.vertex_count, view.position_type, view.position_stride = v.pointer, v.count, v.kind, v.stride
         if self._faces is None:
             view.triangle_count = v.count // 3
@@ -253,7 +254,8 @@ class Mesh:
             low, high = [min(r[i] for r in rows) for i in range(3)], [max(r[i] for r in rows) for i in range(3)]
         return (tuple(float(x) + f for x, f in zip(low, self.frame)), tuple(float(x) + f for x, f in zip(high, self.frame)))
 
-    def check(self, *, weld: bool = False) -> Any:
+    def check(self, *, weld: bool = False, threads: int | None = None, memory_limit: int | None = None,
+              progress: Progress = None) -> Any:
         """What the mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
 
         Args:
@@ -263,7 +265,7 @@ class Mesh:
             A named tuple with the fields of ``bvx_certificate`` in the C header.
         """
         out = ffi.new("bvx_certificate *")
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_mesh_check(run.context, self._view(run), int(bool(weld)), out))
         return record(out)
 

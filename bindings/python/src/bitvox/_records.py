@@ -6,7 +6,7 @@ from collections import namedtuple
 from typing import Any
 
 from ._arrays import plain
-from ._run import ffi
+from ._run import SIGN_RULES, ffi, name_of
 
 _NAMES = {
     "bvx_certificate": "Certificate",
@@ -60,6 +60,8 @@ def record(struct: Any) -> Any:
 def _value(field: str, value: Any) -> Any:
     if field in _YES_NO:
         return bool(value)
+    if field == "sign":
+        return name_of(value, "BVX_SIGN_", SIGN_RULES)
     if isinstance(value, ffi.CData) and ffi.typeof(value).kind == "struct":
         if _plain_name(ffi.typeof(value)) == "bvx_lattice":
             from ._lattice import Lattice

@@ -217,6 +217,9 @@ def name_of(value: int, prefix: str, names: tuple[str, ...]) -> str:
     return str(value)
 
 
+SIGN_RULES = ("auto", "exact", "normal", "pseudonormal", "winding", "vote", "none")
+
+
 def version() -> str:
     """The library's version, ``"0.1.0"``."""
     number = lib.bvx_version()

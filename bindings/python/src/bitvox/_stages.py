@@ -6,7 +6,7 @@ from typing import Any, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._errors import ArgumentError
-from ._field import EDGES, SIGNS
+from ._field import EDGES
 from ._grid import Attached, Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh, position_type
@@ -123,6 +123,8 @@ def voxelize(
 def choice_of_mode(mode: str) -> str:
     """The mode's plain name, or an error."""
     plain = mode.lower() if isinstance(mode, str) else mode
+    if plain == "field":
+        raise ArgumentError("distances are measured by bitvox.field, not by a mode of voxelize")
     if plain not in MODES:
         raise ArgumentError(f"mode is {mode!r}; it must be one of {', '.join(MODES)}")
     return plain
@@ -471,7 +473,7 @@ def carried(source: Mesh, target: Any, limits: dict[str, Any]) -> None:
         run.check(lib.bvx_mesh_carry(run.context, source._struct(run), target))
 
 
-def carry(source: Any, target: Mesh, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+def carry(source: Any, target: Any, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
     """The target with the colours and texture coordinates of the source's nearest points.
 
     Args:
@@ -496,7 +498,11 @@ def carry(source: Any, target: Mesh, *, threads: int | None = None, memory_limit
     return made
 
 
-def check(mesh: Any, *, weld: bool = False) -> Any:
+carry_over = carry  # for functions that have an option of this name
+
+
+def check(mesh: Any, *, weld: bool = False, threads: int | None = None, memory_limit: int | None = None,
+          progress: Progress = None) -> Any:
     """What a mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
 
     Args:
@@ -506,31 +512,32 @@ def check(mesh: Any, *, weld: bool = False) -> Any:
     Returns:
         A named tuple with the fields of ``bvx_certificate`` in the C header.
     """
-    return Mesh.of(mesh).check(weld=weld)
+    return Mesh.of(mesh).check(weld=weld, threads=threads, memory_limit=memory_limit, progress=progress)
 
 
-def compare(a: Any, b: Any, *, samples: int = 20000, seed: int = 1, threads: int | None = None, memory_limit: int | None = None,
-            progress: Progress = None) -> Any:
+def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = None, threads: int | None = None,
+            memory_limit: int | None = None, progress: Progress = None) -> Any:
     """Two grids: what they share and where they differ. Two meshes: distances both ways, from random points.
 
     Args:
         a, b: two `Grid` of one lattice and window, or two meshes (what `Mesh.of` takes).
-        samples: points on each mesh. seed: another seed, other points.
+        samples: points on each mesh. Default 20000. seed: another seed, other points. Both are for meshes.
 
     Returns:
         A named tuple with the fields of ``bvx_grid_difference`` or of ``bvx_distance_report``.
     """
     if isinstance(a, Grid) and isinstance(b, Grid):
-        return a.compare(b)
+        if samples is not None or seed is not None:
+            raise ArgumentError("samples and seed are for meshes; grids are compared voxel by voxel")
+        return a.compare(b, threads=threads, memory_limit=memory_limit, progress=progress)
     if isinstance(a, Grid) or isinstance(b, Grid):
         raise TypeError("a grid is compared with a grid, a mesh with a mesh")
     first, second = Mesh.of(a), Mesh.of(b)
-    if first.frame != second.frame:
-        first, second = Mesh(first.in_world(), first.faces), Mesh(second.in_world(), second.faces)
+    points, start = 20000 if samples is None else samples, 1 if seed is None else seed
     out = ffi.new("bvx_distance_report *")
     with Run(threads, memory_limit, progress) as run:
         run.check(lib.bvx_mesh_distance(run.context, first._view(run), second._view(run),
-                                        in_range("samples", samples, 1, 2**31 - 1), in_range("seed", seed, 0, 2**64 - 1), out))
+                                        in_range("samples", points, 1, 2**31 - 1), in_range("seed", start, 0, 2**64 - 1), out))
     return record(out)
 
 
@@ -572,7 +579,7 @@ def repair(
     resolution: int | None = None,
     lattice: Lattice | None = None,
     sign: str = "auto",
-    interpolation: str | None = None,
+    interpolation: str = "tangent",
     face_rule: str = "separate",
     sharp: bool = False,
     shell: float | None = None,
@@ -581,6 +588,7 @@ def repair(
     triangles: int | None = None,
     measure: bool = False,
     measure_samples: int | None = None,
+    carry: bool = False,
     dtype: Any = None,
     local_frame: bool = False,
     threads: int | None = None,
@@ -592,20 +600,25 @@ def repair(
     Args:
         mesh: what `Mesh.of` takes.
         resolution: voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
-        sign: what decides that a centre is inside: "auto", "exact", "normal", "pseudonormal", "winding" or "vote".
-        interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
+        sign: what decides that a centre is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "exact"
+            (nested shells are cavities), or "auto": vote where triangles are flipped, else winding.
+        interpolation: where vertices go: "tangent" (by the planes at the closest points), "vector" (by the line
+            through them), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
         sharp: cells on sharp edges and corners get a vertex there.
         shell: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
         least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels].
         triangles: most triangles, by the largest resolution that a search finds not to exceed them; 0 or None: no limit.
         measure: measure the distances between input and result, from ``measure_samples`` points a side.
+        carry: give the result the colours and texture coordinates of the nearest points on the mesh.
         face_rule, dtype, local_frame: as for `surface`.
 
     Returns:
-        A `Mesh`; ``mesh.report`` tells what was found and done: the fields of ``bvx_repair_report``.
+        A `Mesh`; ``mesh.report`` tells what was found and done: the fields of ``bvx_repair_report``, among them ``holes``,
+        ``hole_length`` [world], ``shelled``, ``overlaps``, and the certificates ``before`` and ``after`` (see `check`).
 
     Raises:
-        EmptyError: no triangle of area, or nothing left.
+        EmptyError: no triangle of area, or nothing left. ArgumentError: options that contradict each other. RangeError: see
+        `voxelize`. MemoryLimitError.
     """
     mend = function("bvx_repair")
     options = options_of("repair_options")
@@ -615,9 +628,8 @@ def repair(
         options.lattice = lattice._c
     elif resolution is not None:
         options.resolution = in_range("resolution", resolution, 1, 2**24)
-    options.sign = choice("sign", sign, "BVX_SIGN_", SIGNS)
-    if interpolation is not None:
-        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    options.sign = choice("sign", sign, "BVX_SIGN_", ("auto", "exact", "winding", "vote"))
+    options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
     options.sharp, options.local_frame, options.measure = int(bool(sharp)), int(bool(local_frame)), int(bool(measure))
     if shell is not None:
@@ -632,8 +644,10 @@ def repair(
     report = ffi.new("bvx_repair_report *")
     options.report = report
     source = Mesh.of(mesh)
-    made = with_positions(options, dtype, lambda run, out: mend(run.context, source._view(run), options, out),
-                          threads=threads, memory_limit=memory_limit, progress=progress)
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+    made = with_positions(options, dtype, lambda run, out: mend(run.context, source._view(run), options, out), **limits)
+    if carry:
+        made = carry_over(source, made, **limits)
     made.report = record(report)
     return made
 
