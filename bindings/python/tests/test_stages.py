@@ -269,7 +269,8 @@ def test_render(ball):
     painted = bitvox.Mesh(ball.vertices, ball.faces, colours=np.tile([250, 10, 10], (ball.n_vertices, 1)))
     pixel = bitvox.render(painted, size=(60, 40)).pixels[20, 30]
     assert pixel[0] > 2 * pixel[1]
-    for options in ({"size": (0, 10)}, {"slices": ("w", 3)}, {"cut": {"q": 1}}, {"samples": 9}, {"colour": (1, 2)}):
+    for options in ({"size": (0, 10)}, {"slices": ("w", 3)}, {"cut": {"q": 1}}, {"samples": 9}, {"colour": (1, 2)},
+                    {"slices": ("z", 3), "from_": (1, 0, 0)}, {"slices": ("z", 3), "cut": {"x": 1}}, {"slices": ("z", 3), "smooth": True}):
         with pytest.raises(bitvox.Error):
             bitvox.render(grid, **options)
     with pytest.raises(bitvox.ArgumentError):
