@@ -153,7 +153,7 @@ class Field:
                 still count as smooth (default 0.8).
 
         Returns:
-            A `Mesh`; ``mesh.report`` has the fields of ``bvx_field_surface_report``.
+            A `Mesh`; ``mesh.report`` is a `bitvox.reports.FieldSurfaceReport`.
         """
         options = options_of("field_surface_options")
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._errors import ArgumentError, FormatError, LatticeError
 from ._lattice import Lattice, WindowLike, set_window
 from ._records import record
 from ._run import Progress, Run, ffi, lib
+
+if TYPE_CHECKING:
+    from .reports import Difference
 
 _AND, _OR, _XOR, _MINUS = range(4)
 
@@ -242,8 +245,11 @@ class Grid:
 
     # ---- questions ----
 
-    def compare(self, other: Grid, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
-        """What two grids share and where they differ: a named tuple with the fields of ``bvx_grid_difference``.
+    def compare(self, other: Grid, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Difference:
+        """What two grids share and where they differ.
+
+        Returns:
+            A `bitvox.reports.Difference`.
 
         Raises:
             LatticeError: they do not share lattice and window.

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Sequence
+from typing import TYPE_CHECKING, Any, Sequence
 
 from . import _arrays as arrays
 from ._errors import ArgumentError, RangeError
 from ._records import record
 from ._run import Progress, Run, ffi, lib
+
+if TYPE_CHECKING:
+    from .reports import Certificate
 
 _POSITIONS = {"float32": "BVX_F32", "float64": "BVX_F64"}
 
@@ -255,14 +258,14 @@ class Mesh:
         return (tuple(float(x) + f for x, f in zip(low, self.frame)), tuple(float(x) + f for x, f in zip(high, self.frame)))
 
     def check(self, *, weld: bool = False, threads: int | None = None, memory_limit: int | None = None,
-              progress: Progress = None) -> Any:
+              progress: Progress = None) -> Certificate:
         """What the mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
 
         Args:
             weld: take vertices at equal positions for one.
 
         Returns:
-            A named tuple with the fields of ``bvx_certificate`` in the C header.
+            A `bitvox.reports.Certificate`.
         """
         out = ffi.new("bvx_certificate *")
         with Run(threads, memory_limit, progress) as run:

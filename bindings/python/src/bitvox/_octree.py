@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterable, Union
+from typing import TYPE_CHECKING, Any, Iterable, Union
 
 from . import _arrays as arrays
 from ._errors import ArgumentError
@@ -12,6 +12,9 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
+
+if TYPE_CHECKING:
+    from .reports import OctreeLevel
 
 STATES = ("outside", "inside", "surface")
 _DIRECTIONS = ("-x", "-y", "-z", "+x", "+y", "+z")
@@ -59,8 +62,8 @@ class Octree:
     def _level(self, level: int | None) -> int:
         return self.levels if level is None else in_range("level", level, 0, self.levels)
 
-    def counts(self) -> list[Any]:
-        """Counts of each level: voxels, split, surface, inside, outside, bytes."""
+    def counts(self) -> list[OctreeLevel]:
+        """Counts of each level (`bitvox.reports.OctreeLevel`): voxels, split, surface, inside, outside, bytes."""
         n = self.levels + 1
         out = ffi.new("bvx_octree_level[]", n)
         with Run() as run:

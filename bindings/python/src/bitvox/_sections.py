@@ -220,7 +220,7 @@ def from_sections(
         dtype: float64 keeps the contours' points; float32 rounds them.
 
     Returns:
-        A `Mesh`; ``mesh.report`` has the fields of ``bvx_sections_report``.
+        A `Mesh`; ``mesh.report`` is a `bitvox.reports.SectionsReport`.
 
     Raises:
         FormatError: loops that cross or touch, points off their plane: section, loop and point are named.

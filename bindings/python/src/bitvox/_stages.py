@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterable, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._errors import ArgumentError
@@ -13,6 +13,9 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._octree import with_positions
 from ._records import record
 from ._run import Progress, Run, choice, ffi, function, in_range, lib, options_of
+
+if TYPE_CHECKING:
+    from .reports import Certificate, Difference, Distances, Seed
 
 FILLS = ("parity", "nonzero", "vote", "flood", "regions", "below", "winding")
 MODES = ("solid", "conservative", "thin", "sampled")
@@ -75,7 +78,7 @@ def voxelize(
         attached: surface modes: keep the triangles that touch each voxel in ``grid.attached``.
 
     Returns:
-        A `Grid`; ``grid.report`` has the counts of the C header's ``bvx_solid_report`` or ``bvx_surface_report``.
+        A `Grid`; ``grid.report`` is a `bitvox.reports.SolidReport` or a `bitvox.reports.SurfaceReport`.
 
     Raises:
         ArgumentError: options that contradict each other, or that the mode or the rule does not take.
@@ -165,7 +168,7 @@ def compare_fills(mesh: Any, *, resolution: Any = None, spacing: Any = None, pad
         mesh, resolution, spacing, padding, lattice, close_gaps: as for `voxelize`.
 
     Returns:
-        ``counts`` (fields of ``bvx_fill_comparison``; ``counts.set`` by rule), ``disagreeing`` and ``lost`` as grids.
+        ``counts`` (`bitvox.reports.FillComparison`; ``counts.set`` by rule), ``disagreeing`` and ``lost`` as grids.
     """
     source = Mesh.of(mesh)
     where = place(source, resolution, spacing, padding, lattice)
@@ -179,7 +182,7 @@ def compare_fills(mesh: Any, *, resolution: Any = None, spacing: Any = None, pad
 
 
 def find_seed(surface: Grid, mesh: Any = None, *, limit: int = 0, threads: int | None = None, memory_limit: int | None = None,
-              progress: Progress = None) -> Any:
+              progress: Progress = None) -> Seed:
     """One voxel inside a surface, found by scanning lines of voxels.
 
     Args:
@@ -188,7 +191,7 @@ def find_seed(surface: Grid, mesh: Any = None, *, limit: int = 0, threads: int |
         limit: most lines to scan; 0: all that there are.
 
     Returns:
-        A named tuple with the fields of ``bvx_seed``; ``found`` False is no error.
+        A `bitvox.reports.Seed`; ``found`` False is no error.
     """
     out = ffi.new("bvx_seed *")
     with Run(threads, memory_limit, progress) as run:
@@ -349,7 +352,11 @@ def lod(
         carry: give each level the colours and texture coordinates of the nearest points on the mesh.
 
     Returns:
-        One `Mesh` a level, each with ``report``: the fields of ``bvx_lod_report``.
+        One `Mesh` a level, each with a ``report``: `bitvox.reports.LodReport`.
+
+    Raises:
+        ArgumentError: options that contradict each other. EmptyError: nothing inside. RangeError: a level finer than the
+        voxels; coordinates. MemoryLimitError.
     """
     if levels is not None and triangles is not None:
         raise ArgumentError("levels and triangles contradict each other; give one of them")
@@ -502,7 +509,7 @@ carry_over = carry  # for functions that have an option of this name
 
 
 def check(mesh: Any, *, weld: bool = False, threads: int | None = None, memory_limit: int | None = None,
-          progress: Progress = None) -> Any:
+          progress: Progress = None) -> Certificate:
     """What a mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
 
     Args:
@@ -510,13 +517,16 @@ def check(mesh: Any, *, weld: bool = False, threads: int | None = None, memory_l
         weld: take vertices at equal positions for one.
 
     Returns:
-        A named tuple with the fields of ``bvx_certificate`` in the C header.
+        A `bitvox.reports.Certificate`.
+
+    Raises:
+        RangeError: a coordinate that is not finite, a vertex number that is not there: the first one is named.
     """
     return Mesh.of(mesh).check(weld=weld, threads=threads, memory_limit=memory_limit, progress=progress)
 
 
 def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = None, threads: int | None = None,
-            memory_limit: int | None = None, progress: Progress = None) -> Any:
+            memory_limit: int | None = None, progress: Progress = None) -> Difference | Distances:
     """Two grids: what they share and where they differ. Two meshes: distances both ways, from random points.
 
     Args:
@@ -524,7 +534,11 @@ def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = No
         samples: points on each mesh. Default 20000. seed: another seed, other points. Both are for meshes.
 
     Returns:
-        A named tuple with the fields of ``bvx_grid_difference`` or of ``bvx_distance_report``.
+        `bitvox.reports.Difference` for grids, `bitvox.reports.Distances` for meshes.
+
+    Raises:
+        LatticeError: grids that do not share lattice and window. EmptyError: a mesh without triangles. TypeError: a grid and a
+        mesh. RangeError: coordinates.
     """
     if isinstance(a, Grid) and isinstance(b, Grid):
         if samples is not None or seed is not None:
@@ -613,8 +627,8 @@ def repair(
         face_rule, dtype, local_frame: as for `surface`.
 
     Returns:
-        A `Mesh`; ``mesh.report`` tells what was found and done: the fields of ``bvx_repair_report``, among them ``holes``,
-        ``hole_length`` [world], ``shelled``, ``overlaps``, and the certificates ``before`` and ``after`` (see `check`).
+        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) tells what was found and done: ``holes``, ``hole_length``
+        [world], ``shelled``, ``overlaps``, the certificates ``before`` and ``after``, ``distance`` when measured ...
 
     Raises:
         EmptyError: no triangle of area, or nothing left. ArgumentError: options that contradict each other. RangeError: see
