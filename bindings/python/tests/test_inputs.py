@@ -70,6 +70,8 @@ def test_pyvista():
     assert grid.count == 60 and grid.center0 == (7, 8, 9)
     with pytest.raises(bitvox.ArgumentError):
         points.bitvox.grid("y")
+    with pytest.raises(TypeError, match="extract_surface"):
+        bitvox.check(data.cast_to_unstructured_grid())
 
 
 def test_plot(tmp_path):

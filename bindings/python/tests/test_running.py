@@ -341,3 +341,24 @@ def test_numbers_of_numpy_as_options(ball):
     assert bitvox.voxelize(ball, resolution=np.int32(16)) == bitvox.voxelize(ball, resolution=16)
     assert bitvox.voxelize(ball, spacing=np.float32(0.25)).spacing == (0.25,) * 3
     assert bitvox.lod(ball, levels=np.array([8, 4]))[1].n_faces > 0
+
+
+def test_what_a_new_user_types(ball, tmp_path):
+    """Slips get an answer that says what to do."""
+    grid = bitvox.voxelize(ball, resolution=10)
+    cases = [
+        (lambda: bitvox.Mesh(ball), TypeError, "Mesh.of"), (lambda: bitvox.Mesh("a.stl"), TypeError, "Mesh.of"),
+        (lambda: bitvox.Grid(np.zeros((3, 3, 3))), TypeError, "from_numpy"), (lambda: grid[0:3, 0, 0], TypeError, "to_numpy"),
+        (lambda: ball.save(tmp_path / "a.3mf"), bitvox.UnsupportedError, "take one of stl"),
+        (lambda: grid.save(tmp_path / "a.stl"), bitvox.UnsupportedError, "take one of npy"),
+        (lambda: bitvox.render(ball, cut="x=0.5"), TypeError, "cut must be like"),
+        (lambda: bitvox.render(grid, slices="z:4"), TypeError, "slices must be like"),
+        (lambda: bitvox.voxelize(ball, mode="field"), ValueError, "bitvox.field"),
+        (lambda: bitvox.voxelize((ball.vertices * np.nan, ball.faces)), ValueError, "^vertex 0"),  # no C function's name before it
+    ]
+    for call, kind, words in cases:
+        with pytest.raises(kind, match=words):
+            call()
+    assert run("import bitvox; bitvox.big.plan; bitvox.formats.read_amf; bitvox.reports.Certificate").returncode == 0
+    with pytest.raises(AttributeError):
+        bitvox.smoke  # noqa: B018

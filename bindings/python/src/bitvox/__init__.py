@@ -11,6 +11,8 @@ lock is free during every call. Options are keyword-only; every function takes `
 where its work can be long, and `settings` sets them for all calls.
 """
 
+from typing import Any
+
 from ._errors import (
     ArgumentError,
     Cancelled,
@@ -58,6 +60,17 @@ from ._stages import (
 
 from ._trimesh import register as register_with_trimesh
 from ._trimesh import register_if_there as _register_if_there
+
+
+
+def __getattr__(name: str) -> Any:
+    """The parts that not everybody needs are imported when they are first used."""
+    if name in ("big", "formats", "reports"):
+        import importlib
+
+        return importlib.import_module(f".{name}", __name__)
+    raise AttributeError(f"module 'bitvox' has no attribute {name!r}")
+
 
 __version__ = _version()
 _register_if_there()

@@ -177,8 +177,15 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
             run.check(lib.bvx_write_mesh(run.context, Mesh.of(thing)._struct(run), _number(kind), out))
         else:
-            raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}")
+            raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}; {_outputs(thing)}")
     return bytes(ffi.buffer(out.bytes, out.size))
+
+
+def _outputs(thing: Any) -> str:
+    """What a thing is written as."""
+    known = {"Grid": GRID_FORMATS, "Octree": ("vtu", "bvx"), "Field": ("npy", "nrrd", "vti"), "Sections": SECTION_OUTPUTS, "Image": ("png",)}
+    endings = ", ".join(known.get(type(thing).__name__, MESH_OUTPUTS))
+    return f"take one of {endings}" + ("" if type(thing).__name__ in known else ", or to_trimesh().export(...)")
 
 
 def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False, threads: int | None = None,

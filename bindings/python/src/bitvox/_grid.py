@@ -37,6 +37,8 @@ class Grid:
 
     def __init__(self, lattice: Lattice, window: WindowLike = None) -> None:
         """An empty grid of a lattice, or of a window of it."""
+        if not isinstance(lattice, Lattice):
+            raise TypeError(f"lattice must be a Lattice, not {type(lattice).__name__}; Grid.from_numpy takes arrays")
         self._c = new_grid()
         self.report: Any = None
         self.attached: Attached | None = None
@@ -151,6 +153,8 @@ class Grid:
 
     def __getitem__(self, voxel: Any) -> bool:
         """Whether voxel (x, y, z) of the window is set; no negative numbers, no slices (see `to_numpy`)."""
+        if isinstance(voxel, (slice, type(...))) or (isinstance(voxel, tuple) and any(isinstance(i, (slice, type(...))) for i in voxel)):
+            raise TypeError("grid[x, y, z] tells one voxel; take to_numpy() for slices")
         x, y, z = arrays.triple("voxel", voxel, int)
         nx, ny, nz = self.shape
         if not (0 <= x < nx and 0 <= y < ny and 0 <= z < nz):

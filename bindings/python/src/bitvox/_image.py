@@ -128,6 +128,8 @@ def render(
         options.cut_low = arrays.triple("cut_low", cut_low)
     if cut_high is not None:
         options.cut_high = arrays.triple("cut_high", cut_high)
+    if cut is not None and not hasattr(cut, "items"):
+        raise TypeError(f'cut must be like {{"x": 0.5}}, not {cut!r}')
     for axis, at in (cut or {}).items():
         if axis not in ("x", "y", "z"):
             raise ArgumentError(f"cut: {axis!r} is no axis; it must be x, y or z")
@@ -144,6 +146,8 @@ def render(
             if slices is not None and compare is not None:
                 raise ArgumentError("slices and compare contradict each other; give one of them")
         if slices is not None:
+            if isinstance(slices, str) or len(slices) != 2:
+                raise TypeError(f'slices must be like ("z", 12), not {slices!r}')
             axis, count = slices
             if axis not in ("x", "y", "z"):
                 raise ArgumentError(f"slices: {axis!r} is no axis; it must be x, y or z")

@@ -51,6 +51,8 @@ class Mesh:
                  frame: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         if faces is None and getattr(vertices, "ndim", 0) == 3:
             vertices = vertices.reshape(-1, 3)
+        if isinstance(vertices, (Mesh, str, os.PathLike)) or hasattr(vertices, "vertices"):
+            raise TypeError(f"vertices are wanted, not a {type(vertices).__name__}: Mesh.of takes meshes and files")
         self._vertices = arrays.vertices_in(vertices)
         if faces is None:
             if len(self._vertices) % 3:

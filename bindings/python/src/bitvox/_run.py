@@ -145,7 +145,10 @@ class Run:
         self.kept.append(things)
 
     def message(self) -> str:
-        return ffi.string(lib.bvx_last_message(self.context)).decode("utf-8", "replace")
+        """What was wrong, without the name of the C function before it."""
+        text = ffi.string(lib.bvx_last_message(self.context)).decode("utf-8", "replace")
+        name, colon, words = text.partition(": ")
+        return words if colon and name.startswith("bvx_") and name.isidentifier() else text
 
     def check(self, status: int) -> None:
         """Raise what a status other than 0 stands for."""
