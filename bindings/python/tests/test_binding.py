@@ -1,5 +1,6 @@
 """The binding against the header it is made from."""
 
+import inspect
 import re
 import sys
 from pathlib import Path
@@ -131,3 +132,29 @@ def test_reports_are_the_headers(csource):
         assert list(made._fields) == fields and all(f"\n        {field}:" in made.__doc__ for field in fields), name
     found = bitvox.check(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
     assert type(found) is reports.Certificate and found.closed is False and found.oriented is True
+
+
+def public_callables():
+    """Functions, classes and methods that are part of the interface, by name."""
+    import importlib
+
+    for module in ("bitvox", "bitvox.formats", "bitvox.big"):
+        for name in importlib.import_module(module).__all__:
+            thing = getattr(importlib.import_module(module), name)
+            yield f"{module}.{name}", thing
+            if isinstance(thing, type) and thing.__module__.startswith("bitvox") and not issubclass(thing, (Exception, tuple)):
+                for member, value in vars(thing).items():
+                    value = getattr(value, "__func__", value)
+                    if not member.startswith("_") and inspect.isfunction(value):
+                        yield f"{module}.{name}.{member}", value
+
+
+def test_docstrings_tell_every_option():
+    limits = {"self", "cls", "threads", "memory_limit", "progress", "owner"}  # told once, by settings; owner: not for users
+    untold = []
+    for name, thing in public_callables():
+        if not inspect.isfunction(thing) and not (isinstance(thing, type) and "__init__" in vars(thing)):
+            continue
+        text = (thing.__doc__ or "") + (thing.__init__.__doc__ or "" if isinstance(thing, type) else "")
+        untold += [f"{name}: {p}" for p in inspect.signature(thing).parameters if p not in limits and not re.search(rf"\b{p}\b", text)]
+    assert untold == []

@@ -269,6 +269,8 @@ def test_amf(tmp_path):
     with zipfile.ZipFile(tmp_path / "b.amf", "w") as archive:
         archive.writestr("b.amf", amf_of())
     assert bitvox.read(tmp_path / "b.amf").check().closed
+    (tmp_path / "b.amf.gz").write_bytes(gzip.compress((tmp_path / "b.amf").read_bytes()))
+    assert bitvox.read(tmp_path / "b.amf.gz").check().closed
     both = ('<constellation id="9"><instance objectid="1"/><instance objectid="1"><deltax>10</deltax><rz>90</rz></instance></constellation>')
     (tmp_path / "c.amf").write_text(amf_of(both))
     found = bitvox.read(tmp_path / "c.amf").check()

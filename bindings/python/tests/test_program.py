@@ -50,12 +50,12 @@ def test_options_have_the_programs_names(command):
 
 
 @pytest.mark.parametrize("options", [
-    {"resolution": 100}, {"resolution": 40, "fill": "vote"}, {"spacing": 0.05, "padding": 2}, {"resolution": 50, "mode": "thin"},
+    {"resolution": 100}, {"resolution": 40, "fill": "vote"}, {"spacing": 0.05, "padding": 2}, {"spacing": 0.07, "corner": (-1.5, -2, -0.75)}, {"resolution": 50, "mode": "thin"},
     {"resolution": 64, "fill": "flood", "close_gaps": 1}, {"resolution": 30, "window": (3, 4, 5, 20, 21, 9)}])
 def test_voxelize(tmp_path, options):
     words = []
     for name, value in options.items():
-        words += ["--" + name.replace("_", "-"), ",".join(map(str, value)) if isinstance(value, tuple) else value]
+        words += ["--" + {"corner": "origin"}.get(name, name).replace("_", "-"), ",".join(map(str, value)) if isinstance(value, tuple) else value]
     program("voxelize", KNOT, "-o", tmp_path / "a.bvx", *words)
     assert bitvox.dumps(bitvox.voxelize(KNOT, **options), "bvx") == (tmp_path / "a.bvx").read_bytes()
 

@@ -1,5 +1,7 @@
 """Section contours, where the library has them."""
 
+import pickle
+
 import numpy as np
 import pytest
 from conftest import TETRAHEDRON, ball_grid
@@ -78,6 +80,8 @@ def test_slices_of_a_mesh():
         bitvox.slice_mesh(ball, axis="x", normal=(1, 0, 0), spacing=1.0)
     with pytest.raises(bitvox.ArgumentError):
         bitvox.slice_mesh(ball, axis="w", spacing=1.0)
+    again = pickle.loads(pickle.dumps(sections))
+    assert bitvox.dumps(again, "csl") == bitvox.dumps(sections, "csl")
     points = sections.loops[0].points
     expected = points.copy()
     del sections

@@ -1,5 +1,7 @@
 """The stages against brute force and against other libraries."""
 
+import pickle
+
 import numpy as np
 import pytest
 from conftest import TETRAHEDRON, ball_grid, box_mesh
@@ -222,6 +224,7 @@ def test_refine_to_a_resolution_and_files_of_trees(knot):
     again = bitvox.loads(data, "bvx")
     assert isinstance(again, bitvox.Octree) and bitvox.dumps(again, "bvx") == data
     assert again.expand() == tree.expand()
+    assert bitvox.dumps(pickle.loads(pickle.dumps(tree)), "bvx") == data
     with pytest.raises(bitvox.FormatError):
         bitvox.loads(data[:-1], "bvx")
     with pytest.raises(bitvox.ArgumentError):

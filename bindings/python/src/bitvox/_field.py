@@ -171,8 +171,19 @@ class Field:
         made.report = record(report)
         return made
 
+    def to_pyvista(self, *, vectors: bool = False, far: str = "constant") -> Any:
+        """A pyvista.ImageData with the cell data "distance" and, with ``vectors``, "vector"; ``far`` as for `to_numpy`."""
+        from ._errors import need
+
+        pyvista, band = need("pyvista", "view"), self.band
+        image = pyvista.ImageData(dimensions=tuple(n + 1 for n in self.shape), spacing=band.spacing, origin=band.corner)
+        image.cell_data["distance"] = self.to_numpy("zyx", far=far).reshape(-1)
+        if vectors:
+            image.cell_data["vector"] = self.to_numpy("zyx", vectors=True, far=far).reshape(-1, 3)
+        return image
+
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:
-        """Write signed distances, or vectors, as .npy, .nrrd or .vti."""
+        """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd or .vti (or ``format``, in place of the ending)."""
         from ._files import write
 
         write(self, path, format=format, vectors=vectors)

@@ -250,7 +250,7 @@ class Grid:
     # ---- questions ----
 
     def compare(self, other: Grid, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Difference:
-        """What two grids share and where they differ.
+        """What this grid and an ``other`` share and where they differ.
 
         Returns:
             A `bitvox.reports.Difference`.
@@ -318,7 +318,7 @@ class Grid:
     # ---- others ----
 
     def surface(self, **options: Any) -> Any:
-        """The closed surface; see `bitvox.surface`."""
+        """The closed surface; ``options`` are those of `bitvox.surface`."""
         from ._stages import surface
 
         return surface(self, **options)
@@ -333,7 +333,7 @@ class Grid:
         return image
 
     def plot(self, **options: Any) -> Any:
-        """Show its voxels in a window through PyVista."""
+        """Show its voxels in a window through PyVista; ``options`` are those of its ``plot``."""
         return self.to_pyvista().threshold(0.5, scalars="set").plot(**options)
 
     def _repr_png_(self) -> bytes | None:
@@ -342,7 +342,7 @@ class Grid:
         return render(self, size=(480, 360)).png() if self else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write it to a file; see `bitvox.write`."""
+        """Write it to the file ``path``, in the format of its ending or in ``format``; see `bitvox.write`."""
         from ._files import write
 
         write(self, path, format=format)

@@ -43,7 +43,7 @@ class Image:
         return np.array(self.pixels, dtype=dtype)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a PNG file."""
+        """Write a PNG file; ``path`` ends in .png."""
         from ._files import write_bytes
 
         if not os.fspath(path).lower().endswith(".png"):

@@ -349,7 +349,7 @@ class Mesh:
         return render(self, size=(480, 360)).png() if self.n_faces else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write it to a file; see `bitvox.write`."""
+        """Write it to the file ``path``, in the format of its ending or in ``format``; see `bitvox.write`."""
         from ._files import write
 
         write(self, path, format=format)

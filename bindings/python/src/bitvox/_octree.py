@@ -87,7 +87,7 @@ class Octree:
         return arrays.records_at(out, "bvx_octree_leaf", given.count, out)
 
     def neighbours(self, leaf: Any, direction: str) -> Any:
-        """The leaves that share a face with a leaf (one record), towards "-x", "-y", "-z", "+x", "+y" or "+z"."""
+        """The leaves that share a face with a ``leaf`` (one record), in the ``direction`` "-x", "-y", "-z", "+x", "+y" or "+z"."""
         if direction not in _DIRECTIONS:
             raise ArgumentError(f"direction is {direction!r}; it must be one of {', '.join(_DIRECTIONS)}")
         one = ffi.new("bvx_octree_leaf *", {"ijk": [int(x) for x in leaf["ijk"]], "level": int(leaf["level"]), "state": int(leaf["state"])})
@@ -144,7 +144,12 @@ class Octree:
 
     def surface(self, *, states: States = None, dtype: Any = None, face_rule: str = "separate", local_frame: bool = False,
                 keys: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
-        """The closed surface of the last level's voxels in a set of states; see `bitvox.surface` for the options."""
+        """The closed surface of the last level's voxels in a set of states.
+
+        Args:
+            states: ("surface", "inside") unless told.
+            dtype, face_rule, local_frame, keys: as for `bitvox.surface`.
+        """
         options = options_of("extract_options")
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
         options.local_frame, options.keys = int(bool(local_frame)), int(bool(keys))
@@ -153,11 +158,16 @@ class Octree:
             threads=threads, memory_limit=memory_limit, progress=progress)
 
     def save(self, path: str | os.PathLike[str], *, states: States = None) -> None:
-        """Write the whole octree (.bvx, which `bitvox.read` reads), or a VTK unstructured grid (.vtu) of the leaves in a set
-        of states."""
+        """Write to ``path`` the whole octree (.bvx, which `bitvox.read` reads), or a VTK unstructured grid (.vtu) of the leaves
+        in a set of states."""
         from ._files import write
 
         write(self, path, states=states)
+
+    def __reduce__(self) -> Any:
+        from ._files import dumps, loads
+
+        return loads, (dumps(self, "bvx"), "bvx")
 
     def __repr__(self) -> str:
         counts = self.counts()

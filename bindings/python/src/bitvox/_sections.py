@@ -71,7 +71,7 @@ class Sections:
         return list(dict.fromkeys(loop.label for loop in self.loops))
 
     def of(self, label: str) -> Sections:
-        """The loops of one body."""
+        """The loops of the body with this ``label``."""
         made = Sections.__new__(Sections)
         chosen = [i for i, loop in enumerate(self.loops) if loop.label == label]
         if not chosen:
@@ -81,7 +81,7 @@ class Sections:
         return made
 
     def on(self, section: int) -> list[Loop]:
-        """The loops on one plane, by its number in ``positions``."""
+        """The loops on one plane; ``section`` is its number in ``positions``."""
         return [loop for loop, at in zip(self.loops, self.section_of) if at == section]
 
     def _numbers(self) -> dict[str, int]:
@@ -129,11 +129,11 @@ class Sections:
         return self
 
     def surface(self, **options: Any) -> Mesh:
-        """The closed surface through all contours; see `from_sections`."""
+        """The closed surface through all contours; ``options`` are those of `from_sections`."""
         return from_sections(self, **options)
 
     def save(self, path: Any, format: str | None = None) -> None:
-        """Write .csl, .csv (planes z = position) or .svg (a drawing)."""
+        """Write to ``path``, by its ending or ``format``: .csl, .csv (planes z = position) or .svg (a drawing)."""
         from ._files import write
 
         write(self, path, format=format)

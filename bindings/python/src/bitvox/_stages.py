@@ -255,7 +255,7 @@ def surface(
 
 
 def surface_counts(grid: Grid, *, face_rule: str = "separate") -> tuple[int, int]:
-    """Vertices and triangles that `surface` would make, without making them."""
+    """Vertices and triangles that `surface` would make of a ``grid`` by a ``face_rule``, without making them."""
     return _counts(lib.bvx_extract_count, grid, "extract_options", lambda o: setattr(
         o, "face_rule", choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))))
 
@@ -277,7 +277,7 @@ def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bo
 
 
 def faces_counts(grid: Grid, *, merge: bool = False) -> tuple[int, int]:
-    """Vertices and triangles that `faces` would make."""
+    """Vertices and triangles that `faces` would make of a ``grid``, with ``merge`` or without."""
     return _counts(lib.bvx_faces_count, grid, "faces_options", lambda o: setattr(o, "merged", int(bool(merge))))
 
 
@@ -667,6 +667,6 @@ def repair(
 
 
 def content_hash(data: Any, seed: int = 0) -> int:
-    """The hash behind all golden values, over bytes; see ``bvx_hash`` in the C header."""
+    """The library's hash of the bytes of ``data`` (anything with a buffer), from a ``seed``; see ``bvx_hash`` in the C header."""
     held = ffi.from_buffer(data)
     return lib.bvx_hash(held, len(held), in_range("seed", seed, 0, 2**64 - 1))

@@ -14,7 +14,7 @@ _OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml", "xyz")
 
 
 def read_other(path: str, kind: str) -> Any:
-    """See `bitvox.read`."""
+    """What `bitvox.read` does with a ``path`` of a ``kind`` (its ending) that the library itself does not read."""
     if kind == "nii":
         raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_nifti(path, threshold=...) is told so")
     if kind == "dxf":
