@@ -1,15 +1,13 @@
-"""Section contours, where the library has them."""
+"""Section contours."""
 
 import pickle
 
 import numpy as np
 import pytest
-from conftest import TETRAHEDRON, ball_grid
+from conftest import ball_grid
 
 import bitvox
-from bitvox import Loop, Sections, _native
-
-needs = pytest.mark.skipif(not hasattr(_native.lib, "bvx_build_sections"), reason="this build of the library has no bvx_build_sections")
+from bitvox import Loop, Sections
 
 SQUARE = np.array([[0.0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]])
 
@@ -18,15 +16,6 @@ def stack(count=4, step=1.5, points=SQUARE):
     return [points + [0, 0, i * step] for i in range(count)]
 
 
-@pytest.mark.skipif(hasattr(_native.lib, "bvx_build_sections"), reason="this build has them")
-def test_what_a_build_lacks_is_named(tmp_path):
-    for call in (lambda: bitvox.from_sections(stack()), lambda: bitvox.slice_mesh(TETRAHEDRON, spacing=0.1),
-                 lambda: bitvox.dumps(Sections(stack()), "csl"), lambda: bitvox.loads(b"", "csl")):
-        with pytest.raises(bitvox.UnsupportedError, match="this build"):
-            call()
-
-
-@needs
 def test_prism():
     mesh = bitvox.from_sections(stack())
     found = mesh.check()
@@ -42,7 +31,6 @@ def test_prism():
     assert turned.surface().check().volume == pytest.approx(72)
 
 
-@needs
 def test_labels_and_refusals():
     both = Sections([Loop(p, "ore") for p in stack()] + [Loop(p + [9, 0, 0], "waste") for p in stack(3)])
     assert both.surface(label="ore").check().volume == pytest.approx(72)
@@ -61,7 +49,6 @@ def test_labels_and_refusals():
             bitvox.from_sections(stack(), **options)
 
 
-@needs
 def test_slices_of_a_mesh():
     ball = bitvox.surface(ball_grid(), dtype="float64")
     sections = bitvox.slice_mesh(ball, spacing=1.0)
@@ -89,7 +76,6 @@ def test_slices_of_a_mesh():
     assert np.array_equal(points, expected)
 
 
-@needs
 @pytest.mark.parametrize("ending", ["csl", "csv", "csl.gz"])
 def test_files(tmp_path, ending):
     sections = Sections([Loop(p + [0.1, 0.2, 0.3], "3") for p in stack()])
@@ -106,7 +92,6 @@ def test_files(tmp_path, ending):
         bitvox.dumps(sections, "ply")
 
 
-@needs
 def test_loops_left_open_in_csv():
     lines = "section,position,loop,x,y\n" + "".join(f"{s},{s},0,{x},{y}\n" for s in (0, 1) for x, y in ((0, 0), (4, 0), (4, 4), (0, 4)))
     assert bitvox.loads(lines.encode(), "csv").surface().check().volume == pytest.approx(16)
@@ -116,7 +101,6 @@ def test_loops_left_open_in_csv():
         bitvox.loads(b"", "ply", close_gap=1.0)
 
 
-@needs
 def test_bishop(shared):
     sections = bitvox.read(shared("contours/orex_SideBishop.csl"))
     assert len(sections) == 10 and len(sections.loops) == 22

@@ -101,7 +101,8 @@ def test_options_are_not_ignored(ball):
     for options in (
         {"mode": "thin", "fill": "parity"}, {"mode": "thin", "close_gaps": 1}, {"mode": "solid", "attached": True},
         {"fill": "parity", "close_gaps": 2}, {"fill": "vote", "base": 1.0}, {"up": "z"}, {"fill": "nonzero", "second": ball},
-        {"resolution": 8, "spacing": 1.0}, {"resolution": 8, "corner": (0, 0, 0)},
+        {"resolution": 8, "spacing": 1.0}, {"resolution": 8, "corner": (0, 0, 0)}, {"spacing": 1.0, "corner": (0, 0, 0), "padding": 1},
+        {"spacing": 1.0, "corner": (0, 0, float("inf"))}, {"spacing": 1.0, "corner": (0, 0)},
         {"lattice": bitvox.Lattice((4, 4, 4)), "resolution": 8}, {"lattice": bitvox.Lattice((4, 4, 4)), "padding": 1},
         {"fill": "sideways"}, {"mode": "hollow"}, {"mode": "field"}, {"resolution": 0}, {"padding": -1}, {"resolution": 2.5, }, {"window": (1, 2, 3)},
         {"fill": "flood", "window": (0, 0, 0, 2, 2, 2)}, {"threads": -1}, {"memory_limit": -5},

@@ -104,4 +104,4 @@ def need(module: str, extra: str, package: str | None = None) -> Any:
         return importlib.import_module(module)
     except ImportError as why:
         name = package or module.partition(".")[0]
-        raise MissingExtraError(f"this needs {name}: pip install 'bitvox[{extra}]' ({why})") from why
+        raise MissingExtraError(f"this needs {name}, which the extra bitvox[{extra}] brings: pip install {name} ({why})") from why

@@ -36,7 +36,7 @@ def mesh_from(source: Any) -> Mesh:
     if getattr(source, "ndim", 0) == 3:
         return Mesh(source)
     if _has(source, "extract_surface"):
-        raise TypeError(f"a {type(source).__name__} holds volumes: give its surface, extract_surface(), or for an image its voxels, "
+        raise TypeError(f"{type(source).__name__} holds volumes: give its surface, extract_surface(), or for an image its voxels, "
                         "image.bitvox.grid()")
     raise TypeError(
         f"{type(source).__name__} is no mesh: give (vertices, faces), a Mesh, or a mesh of trimesh, PyVista, Open3D or meshio"

@@ -61,7 +61,7 @@ def voxelize(
         mesh: what `Mesh.of` takes: (vertices, faces), a mesh of trimesh, PyVista, Open3D or meshio, a file's name.
         resolution: voxels along the longest axis, or three numbers, one for each axis. Default 256.
         spacing: edges of a voxel, one number or three, in place of a resolution [world].
-        corner: low corner of voxel (0, 0, 0), with ``spacing`` (the program's ``--origin``) [world].
+        corner: low corner of voxel (0, 0, 0), with ``spacing`` and without ``padding`` (the program's ``--origin``) [world].
         padding: empty voxels added on every side.
         lattice: a `Lattice` to work on, in place of all these.
         window: only this box of the lattice: (low, size) or (x0, y0, z0, x1, y1, z1).
