@@ -305,6 +305,7 @@ static void bare_cases(golden *g)
 
 #include "voxel_cases.h"
 #include "field_cases.h"
+#include "query_cases.h"
 
 static const struct {
     const char *file;
@@ -319,6 +320,10 @@ static const struct {
     {"octree", octree_cases},
     {"field", field_cases},
     {"repair", repair_cases},
+    {"questions", question_cases},
+    {"tree_questions", tree_question_cases},
+    {"files", file_cases},
+    {"pictures", picture_cases},
 };
 
 /* ---- Files ---- */
