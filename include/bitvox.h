@@ -1200,6 +1200,62 @@ BVX_API void bvx_field_surface_options_init(bvx_field_surface_options *options, 
 BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
                                              const bvx_field_surface_options *options, bvx_mesh *surface);
 
+/* ---- Booleans of meshes ------------------------------------------------------------------------------------- */
+
+/** What becomes of two bodies. */
+enum {
+    BVX_BOOLEAN_UNION = 0,        /**< what lies in a or in b */
+    BVX_BOOLEAN_INTERSECTION = 1, /**< what lies in both */
+    BVX_BOOLEAN_SUBTRACT = 2,     /**< what lies in a and not in b */
+    BVX_BOOLEAN_XOR = 3           /**< what lies in one of them alone */
+};
+
+typedef struct bvx_boolean_report {
+    bvx_lattice lattice;              /**< that the result was made on */
+    uint64_t voxels_a, voxels_b;      /**< centres inside each */
+    uint64_t voxels;                  /**< inside the result */
+    bvx_field_surface_report surface; /**< how the vertices were placed, as of bvx_extract_field_surface */
+    uint64_t reserved[4];
+} bvx_boolean_report;
+
+typedef struct bvx_boolean_options {
+    size_t struct_size;
+    const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted to both meshes by resolution with padding of 1 voxel] */
+    int32_t resolution;         /**< voxels along the longest axis of both together [Limit: 1..2^24] [Default: 256] */
+    int32_t fill;               /**< what is inside a mesh: BVX_FILL_PARITY, NONZERO, VOTE or WINDING [Default: BVX_FILL_PARITY] */
+    int32_t interpolation;      /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
+    int32_t face_rule;          /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t sharp;              /**< 1: sharp edges of the meshes, and those where they meet, as in bvx_extract_field_surface [Default: 0] */
+    int32_t position_type;      /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t local_frame;        /**< as for bvx_extract_field_surface [Default: 0] */
+    int32_t reserved0;
+    bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
+    uint64_t reserved[2];
+} bvx_boolean_options;
+
+BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size);
+
+/**
+ * A mesh of what two bodies have together, alone or in common, as exact as the lattice is fine.
+ *
+ * Both are filled on one lattice, exactly; the bits are combined; marching cubes between inside and outside centres makes the mesh.
+ * Each vertex lies where its edge is cut by the mesh whose side changes there, by the closest points of the edge's ends; where
+ * both change, by the one that bounds the result. The guarantee is that of bvx_extract_field_surface, whatever the meshes are:
+ * closed, outwards, edge- and vertex-manifold, no crossing triangles. What is thinner than a voxel may be lost. A result without
+ * any centre inside is an empty mesh and no error.
+ *
+ * operation  BVX_BOOLEAN_...
+ * result     as for bvx_extract_surface
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (a mesh without a triangle of area), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in
+ * bvx_extract_surface), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
+ * Memory: the mesh, five grids, 32 bytes for each centre next to a mesh's part of the surface (sharp: 36), and by turns what
+ * bvx_voxelize_solid needs and what bvx_measure_field needs a triangle. Cost: two solids, the closest points of these centres,
+ * the surface; that of the closest points' search trees is O(triangles log triangles).
+ */
+BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,
+                               const bvx_boolean_options *options, bvx_mesh *result);
+
 /* ---- Levels of detail -------------------------------------------------------------------------------------- */
 
 enum {
