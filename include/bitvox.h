@@ -677,7 +677,7 @@ enum {
  * spacing * factor, and dims / factor rounded up; the window has every block that the old one reaches into: along each axis
  * low / factor to (low + size - 1) / factor, rounded down.
  *
- * factor  [Limit: 1..2^25 each; above dims it counts as dims; fewer than 2^32 voxels a block]
+ * factor  [Limit: 1..2^25 each, and fewer than 2^32 voxels of the lattice in a block]
  * rule    BVX_REDUCE_...
  * result  zeroed, or with words of the caller's, not those of grid
  *
@@ -1206,7 +1206,7 @@ BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_fie
 enum {
     BVX_BOOLEAN_UNION = 0,        /**< what lies in a or in b */
     BVX_BOOLEAN_INTERSECTION = 1, /**< what lies in both */
-    BVX_BOOLEAN_SUBTRACT = 2,     /**< what lies in a and not in b */
+    BVX_BOOLEAN_DIFFERENCE = 2,     /**< what lies in a and not in b */
     BVX_BOOLEAN_XOR = 3           /**< what lies in one of them alone */
 };
 

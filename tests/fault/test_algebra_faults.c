@@ -164,7 +164,7 @@ static bvx_status join_meshes(void *user, bvx_context *ctx)
 static bvx_status cut_meshes(void *user, bvx_context *ctx)
 {
     (void)user;
-    return boolean_with(ctx, BVX_BOOLEAN_SUBTRACT, 1);
+    return boolean_with(ctx, BVX_BOOLEAN_DIFFERENCE, 1);
 }
 
 typedef struct algebra_case {

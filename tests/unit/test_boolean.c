@@ -218,7 +218,7 @@ static void test_identities(void)
     make_stars();
     for (int32_t op = 0; op < 4; op++) { /* a op b is b op a */
         bvx_mesh_view const swap = a;
-        if (op == BVX_BOOLEAN_SUBTRACT) continue;
+        if (op == BVX_BOOLEAN_DIFFERENCE) continue;
         run(op, &o);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &one));
         a = b;
@@ -233,7 +233,7 @@ static void test_identities(void)
     run(BVX_BOOLEAN_INTERSECTION, &o);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &other));
     TEST_ASSERT_EQUAL_HEX64(one, other);
-    run(BVX_BOOLEAN_SUBTRACT, &o); /* nothing is left: an empty mesh */
+    run(BVX_BOOLEAN_DIFFERENCE, &o); /* nothing is left: an empty mesh */
     TEST_ASSERT_EQUAL_UINT64(0, made.triangle_count);
     TEST_ASSERT_EQUAL_UINT64(0, report.voxels);
     run(BVX_BOOLEAN_XOR, &o);
@@ -246,7 +246,7 @@ static void test_a_body_within_another(void)
     bvx_boolean_options o = with(40);
     bvx_certificate c;
     make_boxes(low_a, high_a, low_b, high_b);
-    run(BVX_BOOLEAN_SUBTRACT, &o); /* a cavity: its surface looks inwards */
+    run(BVX_BOOLEAN_DIFFERENCE, &o); /* a cavity: its surface looks inwards */
     c = check();
     TEST_ASSERT_EQUAL_UINT64(2, c.components);
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * 940, 940, c.volume);
@@ -288,7 +288,7 @@ static void test_threads_and_code_paths_are_not_seen(void)
             c.cpu = way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST;
             o.sharp = sharp;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_boolean(other, &a, &b, BVX_BOOLEAN_SUBTRACT, &o, &m));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_boolean(other, &a, &b, BVX_BOOLEAN_DIFFERENCE, &o, &m));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(other, &m, &hash));
             if (way == 0) want = hash;
             TEST_ASSERT_EQUAL_HEX64(want, hash);

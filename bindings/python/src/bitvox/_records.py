@@ -20,6 +20,7 @@ _NAMES = {
     "bvx_octree_leaf": "OctreeLeaf",
     "bvx_field_surface_report": "FieldSurfaceReport",
     "bvx_lod_report": "LodReport",
+    "bvx_boolean_report": "BooleanReport",
     "bvx_repair_report": "RepairReport",
     "bvx_sections_report": "SectionsReport",
 }
