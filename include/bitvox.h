@@ -1249,8 +1249,8 @@ BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
  *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (a mesh without a triangle of area), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in
  * bvx_extract_surface), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
- * Memory: the mesh, five grids, 32 bytes for each centre next to a mesh's part of the surface (sharp: 36), and by turns what
- * bvx_voxelize_solid needs and what bvx_measure_field needs a triangle. Cost: two solids, the closest points of these centres,
+ * Memory: the mesh, five grids, 16 bytes a row, 32 for each centre next to a mesh's part of the surface (sharp: 36, and what sharp
+ * needs there), and by turns what bvx_voxelize_solid needs and what bvx_measure_field needs a triangle. Cost: two solids, the closest points of these centres,
  * the surface; that of the closest points' search trees is O(triangles log triangles).
  */
 BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,

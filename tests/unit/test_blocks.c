@@ -143,6 +143,46 @@ static void test_blocks_of_everything(void)
     TEST_ASSERT_EQUAL_UINT64(want, total);
 }
 
+/* KiB that the system would give without trouble; 0 where it does not say. */
+static unsigned long available_memory(void)
+{
+    FILE *const file = fopen("/proc/meminfo", "r");
+    unsigned long found = 0;
+    char line[128];
+    if (file == NULL) return 0;
+    while (found == 0 && fgets(line, sizeof line, file) != NULL)
+        if (sscanf(line, "MemAvailable: %lu", &found) != 1) found = 0;
+    fclose(file);
+    return found;
+}
+
+/* Words, voxels and bits are counted beyond 32 bits: set voxels behind the 2^32nd are found, counted and kept. */
+static void test_more_than_2_to_32_voxels(void)
+{
+    static const int32_t size[3] = {2048, 2048, 1025}, none[3] = {0, 0, 0}, factor[3] = {512, 512, 512};
+    static uint32_t counts[48];
+    bvx_window content;
+    uint64_t n;
+    if (getenv("BVX_QUICK") != NULL || sizeof(size_t) < 8 || available_memory() < 2097152ul)
+        TEST_IGNORE_MESSAGE("needs 0.5 GiB of memory, and 2 that are free");
+    fine = algebra_grid(size, none, none);
+    bvx_grid_set(&fine, 2047, 2047, 1024, 1); /* bit 2^32 + 2^22 - 1 */
+    bvx_grid_set(&fine, 1000, 2000, 1024, 1);
+    bvx_grid_set(&fine, 5, 1500, 1000, 1);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_content(ctx, &fine, &content));
+    TEST_ASSERT_EQUAL_INT32(5, content.low[0]);
+    TEST_ASSERT_EQUAL_INT32(1000, content.low[2]);
+    TEST_ASSERT_EQUAL_INT32(25, content.size[2]);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_coverage(ctx, &fine, factor, counts, 48, &n));
+    TEST_ASSERT_EQUAL_UINT64(48, n);
+    for (uint32_t i = 0; i < 48; i++) TEST_ASSERT_EQUAL_UINT32(i == 47 || i == 45 || i == 24, counts[i]);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_crop(ctx, &fine, &content, &coarse));
+    TEST_ASSERT_EQUAL_INT(1, bvx_grid_get(&coarse, 2042, 547, 24));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_complement(ctx, &fine, &fine));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &fine, &n));
+    TEST_ASSERT_EQUAL_UINT64((UINT64_C(1025) << 22) - 3, n);
+}
+
 static void test_blocks_capacities_and_refusals(void)
 {
     static const int32_t size[3] = {65, 3, 3}, low[3] = {0, 0, 0}, factor[3] = {4, 2, 2}, zero[3] = {4, 0, 2}, large[3] = {4, (1 << 25) + 1, 1};
@@ -183,6 +223,7 @@ int main(void)
     RUN_TEST(test_blocks_is_the_same_for_any_threads_and_processor);
     RUN_TEST(test_blocks_of_a_window_are_the_wholes);
     RUN_TEST(test_blocks_of_everything);
+    RUN_TEST(test_more_than_2_to_32_voxels);
     RUN_TEST(test_blocks_capacities_and_refusals);
     return UNITY_END();
 }

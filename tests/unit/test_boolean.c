@@ -298,6 +298,21 @@ static void test_threads_and_code_paths_are_not_seen(void)
     }
 }
 
+/* One number each, the same on every compiler and processor. */
+static void test_golden(void)
+{
+    static const uint64_t want[2] = {UINT64_C(0x80131C099B70315A), UINT64_C(0xFD67A36C31302136)};
+    make_stars();
+    for (int sharp = 0; sharp < 2; sharp++) {
+        bvx_boolean_options o = with(40);
+        uint64_t hash;
+        o.sharp = sharp;
+        run(BVX_BOOLEAN_DIFFERENCE, &o);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &hash));
+        TEST_ASSERT_EQUAL_HEX64(want[sharp], hash);
+    }
+}
+
 static void refuse(int32_t operation, const bvx_boolean_options *o, bvx_status status, const char *word)
 {
     TEST_ASSERT_EQUAL_INT32(status, bvx_boolean(ctx, &a, &b, operation, o, &made));
@@ -352,6 +367,7 @@ int main(void)
     RUN_TEST(test_a_body_within_another);
     RUN_TEST(test_given_lattice_cuts_the_bodies);
     RUN_TEST(test_threads_and_code_paths_are_not_seen);
+    RUN_TEST(test_golden);
     RUN_TEST(test_refusals);
     return UNITY_END();
 }
