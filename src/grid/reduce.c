@@ -1,4 +1,4 @@
-/* blocks.c - blocks of voxels become voxels, or counts: bvx_grid_downsample, bvx_grid_coverage.
+/* reduce.c - blocks of voxels become voxels, or counts: bvx_grid_downsample, bvx_grid_coverage.
  *
  * Rows of blocks come as bit planes (block_rows.c). ALL is what has no empty voxel; MAJORITY compares 64 counts at a time with half of
  * the block's voxels, and looks at the first and the last block of a row apart, as the window may cut them; counts are the planes
