@@ -41,6 +41,7 @@ from ._sections import Loop, Sections, from_sections, slice_mesh
 from ._stages import (
     Closest,
     FillComparison,
+    boolean,
     carry,
     check,
     compare,
@@ -78,7 +79,7 @@ _register_if_there()
 __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
-    "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Window", "Writer", "carry", "check", "compare",
+    "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Window", "Writer", "boolean", "carry", "check", "compare",
     "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets", "find_seed", "from_sections", "loads", "lod",
     "merge", "read", "refine", "register_with_trimesh", "render", "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "write",
 ]

@@ -6,15 +6,15 @@ import os
 from typing import TYPE_CHECKING, Any, NamedTuple, Sequence
 
 from . import _arrays as arrays
-from ._errors import ArgumentError, FormatError, LatticeError
-from ._lattice import Lattice, WindowLike, set_window
+from ._errors import ArgumentError, EmptyError, FormatError
+from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
-from ._run import Progress, Run, ffi, lib
+from ._run import Progress, Run, choice, ffi, in_range, lib
 
 if TYPE_CHECKING:
     from .reports import Difference
 
-_AND, _OR, _XOR, _MINUS = range(4)
+RULES = ("any", "all", "majority")
 
 
 class Attached(NamedTuple):
@@ -206,32 +206,31 @@ class Grid:
     def _same_place(self, other: Any) -> bool:
         return (self.low, self.shape, self.lattice) == (other.low, other.shape, other.lattice)
 
-    def _combined(self, other: Any, operation: int) -> Grid:
+    def _combined(self, other: Any, operation: Any) -> Grid:
         if not isinstance(other, Grid):
             return NotImplemented
-        if not self._same_place(other):
-            raise LatticeError(f"{self!r} and {other!r} do not share lattice and window")
-        made = Grid(self.lattice, (self.low, self.shape))
-        count = self._c.size[2] * self._c.size[1] * self._c.words_per_row
-        lib.bvxpy_combine(made._c.words, self._c.words, other._c.words, count, operation)
-        return made
+        return self._through(lambda run, made: operation(run.context, self._c, other._c, made))
+
+    def _through(self, make: Any) -> Grid:
+        made = new_grid()
+        with Run() as run:
+            run.check(make(run, made))
+        return Grid._made(made)
 
     def __or__(self, other: Any) -> Grid:
-        return self._combined(other, _OR)
+        return self._combined(other, lib.bvx_grid_union)
 
     def __and__(self, other: Any) -> Grid:
-        return self._combined(other, _AND)
+        return self._combined(other, lib.bvx_grid_intersection)
 
     def __xor__(self, other: Any) -> Grid:
-        return self._combined(other, _XOR)
+        return self._combined(other, lib.bvx_grid_xor)
 
     def __sub__(self, other: Any) -> Grid:
-        return self._combined(other, _MINUS)
+        return self._combined(other, lib.bvx_grid_subtract)
 
     def __invert__(self) -> Grid:
-        made = self._combined(self, _OR)
-        lib.bvxpy_invert(made._c)
-        return made
+        return self._through(lambda run, made: lib.bvx_grid_complement(run.context, self._c, made))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Grid):
@@ -246,6 +245,99 @@ class Grid:
 
     def __ge__(self, other: Any) -> bool:
         return other <= self if isinstance(other, Grid) else NotImplemented
+
+    # ---- other lattices and windows ----
+
+    def downsample(self, factor: Any, rule: str = "any") -> Grid:
+        """Blocks of voxels become voxels.
+
+        Args:
+            factor: voxels of a block along each axis, one number or three; blocks are counted from the lattice's corner.
+            rule: a block is set when "any" of its voxels are, when "all" are, or the "majority": more than half. Of blocks that
+                the window cuts only the voxels in the window count.
+
+        Returns:
+            A grid of a lattice with the same corner and ``factor`` times the spacing.
+        """
+        blocks, number = triple_of(factor), choice("rule", rule, "BVX_REDUCE_", RULES)
+        return self._through(lambda run, made: lib.bvx_grid_downsample(run.context, self._c, blocks, number, made))
+
+    def coverage(self, factor: Any) -> Any:
+        """How many voxels of each block are set: a new uint32 array ``counts[x, y, z]`` with x running fastest in memory.
+
+        Args:
+            factor: as for `downsample`, whose grid has the same shape and place.
+        """
+        np = arrays.numpy("Grid.coverage")
+        blocks, count = triple_of(factor), ffi.new("uint64_t *")
+        with Run() as run:
+            run.check(lib.bvx_grid_coverage(run.context, self._c, blocks, ffi.NULL, 0, count))
+            shape = [(low + size - 1) // n - low // n + 1 for low, size, n in zip(self.low, self.shape, blocks)]
+            counts = np.empty(shape[::-1], np.uint32)
+            pointer = ffi.cast("uint32_t *", arrays.address(counts))
+            run.check(lib.bvx_grid_coverage(run.context, self._c, blocks, pointer, counts.size, count))
+        return counts.transpose(2, 1, 0)
+
+    def content(self) -> Window | None:
+        """The least window of the lattice that holds all set voxels; None when none is set."""
+        out = ffi.new("bvx_window *")
+        with Run() as run:
+            run.check(lib.bvx_grid_content(run.context, self._c, out))
+        return Window(tuple(out.low), tuple(out.size)) if out.size[0] else None
+
+    def crop(self, window: WindowLike = None) -> Grid:
+        """The same lattice through another window.
+
+        Args:
+            window: (low, size) of the lattice, which may reach beyond the grid's own, where all is empty; None: `content`.
+
+        Raises:
+            EmptyError: no window is given and no voxel is set.
+        """
+        if window is None:
+            window = self.content()
+            if window is None:
+                raise EmptyError("no voxel is set, so there is nothing to crop to: give a window")
+        box = ffi.new("bvx_window *")
+        set_window("window", box, window)
+        return self._through(lambda run, made: lib.bvx_grid_crop(run.context, self._c, box, made))
+
+    def pad(self, low: Any, high: Any = None) -> Grid:
+        """The same voxels on a lattice that has more of them around; nothing moves in the world.
+
+        Args:
+            low: empty voxels put before the first ones along each axis, one number or three.
+            high: behind the last ones; None: as many as ``low``.
+        """
+        before = triple_of(low, "low")
+        behind = before if high is None else triple_of(high, "high")
+        return self._through(lambda run, made: lib.bvx_grid_pad(run.context, self._c, before, behind, made))
+
+    def permute(self, axes: Any = "xyz", flip: Any = ()) -> Grid:
+        """Axes changed and mirrored.
+
+        Args:
+            axes: which of the grid's axes become x, y and z: "zyx", or numbers (2, 1, 0).
+            flip: those of the result's axes that run backwards: "x", "xz", or numbers. The lattice's box is mirrored in itself.
+        """
+        order = [axis_of("axes", a) for a in axes]
+        if sorted(order) != [0, 1, 2]:
+            raise ArgumentError(f"axes are {axes!r}; they must be x, y and z in any order")
+        flips = [0, 0, 0]
+        for a in flip:
+            flips[axis_of("flip", a)] = 1
+        return self._through(lambda run, made: lib.bvx_grid_permute(run.context, self._c, order, flips, made))
+
+    def resample(self, lattice: Lattice, window: WindowLike = None) -> Grid:
+        """The same set on another lattice: a voxel is set when its centre lies in a set voxel of this grid.
+
+        Args:
+            lattice: where the result lies.
+            window: a part of it; None: all.
+        """
+        box = ffi.new("bvx_window *")
+        set_window("window", box, window)
+        return self._through(lambda run, made: lib.bvx_grid_resample(run.context, self._c, lattice._c, box, made))
 
     # ---- questions ----
 
@@ -370,6 +462,16 @@ def _grid_from(lattice: Lattice, low: Any, shape: Any, data: bytes) -> Grid:
         raise FormatError(f"{len(data)} bytes are not those of a grid of shape {grid.shape}")
     ffi.memmove(grid._c.words, data, len(data))
     return grid
+
+
+def triple_of(values: Any, name: str = "factor") -> Any:
+    """Three whole numbers as the library takes them."""
+    return arrays.triple(name, in_range(name, values, -(2**31), 2**31 - 1) if isinstance(values, (int, float)) else values, int)
+
+
+def axis_of(name: str, axis: Any) -> int:
+    """0, 1 or 2 from "x", "y", "z" or the number itself."""
+    return "xyz".index(axis) if axis in ("x", "y", "z") else in_range(name, axis, 0, 2)
 
 
 def new_grid() -> Any:

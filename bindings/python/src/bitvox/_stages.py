@@ -17,6 +17,7 @@ from ._run import Progress, Run, choice, ffi, function, in_range, lib, options_o
 if TYPE_CHECKING:
     from .reports import Certificate, Difference, Distances, Seed
 
+OPERATIONS = ("union", "intersection", "difference", "xor")
 FILLS = ("parity", "nonzero", "vote", "flood", "regions", "below", "winding")
 MODES = ("solid", "conservative", "thin", "sampled")
 SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
@@ -662,6 +663,63 @@ def repair(
     made = with_positions(options, dtype, lambda run, out: mend(run.context, source._view(run), options, out), **limits)
     if carry:
         made = carry_over(source, made, **limits)
+    made.report = record(report)
+    return made
+
+
+def boolean(
+    a: Any,
+    b: Any,
+    operation: str,
+    *,
+    resolution: int | None = None,
+    lattice: Lattice | None = None,
+    fill: str = "parity",
+    interpolation: str | None = None,
+    face_rule: str = "separate",
+    sharp: bool = False,
+    dtype: Any = None,
+    local_frame: bool = False,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Mesh:
+    """A closed, manifold mesh of what two bodies have together, alone or in common.
+
+    Vertices lie on the surface of the mesh that bounds the result there; what is thinner than a voxel may be lost. Grids are
+    combined by their operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``.
+
+    Args:
+        a, b: what `Mesh.of` takes.
+        operation: "union", "intersection", "difference" (a without b) or "xor".
+        resolution: voxels along the longest axis of both together. Default 256. Or a ``lattice`` to work on.
+        fill: what is inside a mesh: "parity", "nonzero", "vote" or "winding".
+        interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
+        sharp: cells on sharp edges and corners, and where the meshes meet, get a vertex there.
+        face_rule, dtype, local_frame: as for `surface`.
+
+    Returns:
+        A `Mesh`, empty when nothing is left; ``mesh.report`` has the fields of ``bvx_boolean_report``.
+    """
+    options = options_of("boolean_options")
+    if lattice is not None:
+        if resolution is not None:
+            raise ArgumentError("resolution and lattice contradict each other; give one of them")
+        options.lattice = lattice._c
+    elif resolution is not None:
+        options.resolution = in_range("resolution", resolution, 1, 2**24)
+    number = choice("operation", operation, "BVX_BOOLEAN_", OPERATIONS)
+    options.fill = choice("fill", fill, "BVX_FILL_", FILLS)
+    if interpolation is not None:
+        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.sharp, options.local_frame = int(bool(sharp)), int(bool(local_frame))
+    report = ffi.new("bvx_boolean_report *")
+    options.report = report
+    first, second = Mesh.of(a), Mesh.of(b)
+    made = with_positions(
+        options, dtype, lambda run, out: lib.bvx_boolean(run.context, first._view(run), second._view(run), number, options, out),
+        threads=threads, memory_limit=memory_limit, progress=progress)
     made.report = record(report)
     return made
 
