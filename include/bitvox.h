@@ -1350,8 +1350,8 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  * Make a closed, manifold, oriented mesh without crossing triangles from any mesh.
  *
  * Triangles that are there twice count once. The sign rule says which centres are inside, with a smooth lid over every hole;
- * pieces that enclose nothing (a lid over their holes would have 0.7 of their area or more, or no voxel close behind most of
- * their area is inside) become shells. Marching cubes between inside and outside centres, vertices where the closest points of
+ * pieces that enclose nothing become shells: no voxel close behind most of their area is inside, or a lid over their holes would
+ * have 0.7 of their area or more and they do not, like faces or triangles torn apart, make a body together. Marching cubes between inside and outside centres, vertices where the closest points of
  * both ends say, on lids where the winding number passes a half. The guarantee is that of marching cubes, whatever the input; what
  * is thinner than a voxel is lost or becomes a shell.
  *
