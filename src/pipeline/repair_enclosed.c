@@ -21,34 +21,34 @@ typedef struct enclosed_job {
     int32_t pieces;
 } enclosed_job;
 
-/* The lattice's place nearest to the point of a triangle with the given share of corner k, the others sharing the rest. */
-static void place_in_triangle(const bvx_lattice *l, const double p[3][3], int k, double share, int64_t place[3])
+/* Is the winding number nearly whole at a point of the triangle's normal through its middle? */
+static int is_whole_off(const bvxi_repair_job *job, const double middle[3], const double normal[3], double off)
 {
-    double const rest = 0.5 * (1.0 - share), one = (double)((int64_t)1 << l->fraction_bits);
-    for (int a = 0; a < 3; a++) {
-        double const at = p[k][a] * share + (p[(k + 1) % 3][a] + p[(k + 2) % 3][a]) * rest;
-        place[a] = (int64_t)floor((at - l->origin[a]) / l->spacing[a] * one + 0.5);
-    }
-}
-
-static int is_enclosed_at(const bvxi_repair_job *job, const double p[3][3], int k, double share)
-{
+    const bvx_lattice *const l = &job->lattice;
+    double const one = (double)((int64_t)1 << l->fraction_bits);
     int64_t place[3];
-    place_in_triangle(&job->lattice, p, k, share, place);
+    for (int a = 0; a < 3; a++) place[a] = (int64_t)floor((middle[a] + normal[a] * off - l->origin[a]) / l->spacing[a] * one + 0.5);
     return bvxi_winding_off(job->winding, place) < ENCLOSED_OFF;
 }
 
-/* In the middle, and at one of three places between it and the corners. */
+/* Half a voxel off on both sides: nearer, the gaps between torn triangles would show. */
 static int is_enclosed(const bvxi_repair_job *job, uint64_t t)
 {
-    double p[3][3];
+    double const off = 0.5 * bvxi_largest_spacing(&job->lattice);
+    double p[3][3], middle[3], n[3], length = 0;
     uint32_t c[3];
-    int found = 0;
     bvxi_view_triangle(&job->mesh, t, c);
     for (int k = 0; k < 3; k++) bvxi_view_position(&job->mesh, c[k], p[k]);
-    if (!is_enclosed_at(job, (const double(*)[3])p, 0, 1.0 / 3)) return 0;
-    for (int k = 0; k < 3 && found < 1; k++) found += is_enclosed_at(job, (const double(*)[3])p, k, 2.0 / 3);
-    return found != 0;
+    for (int a = 0; a < 3; a++) {
+        int const i = (a + 1) % 3, j = (a + 2) % 3;
+        middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3.0;
+        n[a] = (p[1][i] - p[0][i]) * (p[2][j] - p[0][j]) - (p[1][j] - p[0][j]) * (p[2][i] - p[0][i]);
+        length += n[a] * n[a];
+    }
+    length = sqrt(length);
+    if (!(length > 0)) return 0;
+    for (int a = 0; a < 3; a++) n[a] /= length;
+    return is_whole_off(job, middle, n, -off) && is_whole_off(job, middle, n, off);
 }
 
 static void ask_triangles(void *user, int32_t piece, int32_t worker)

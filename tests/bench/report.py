@@ -220,6 +220,7 @@ tables = (
     ("refine.md", "Refinement, and its paper's tables"),
     ("field.md", "Distance fields and repair"),
     ("peers_field.md", "Distance fields and repair by others"),
+    ("defects.md", "Repair of shapes that were spoilt"),
     ("step.md", "The repair paper's experiment"),
 )
 if any(os.path.exists(path(name)) for name, _ in tables):

@@ -592,7 +592,7 @@ def repair(
     Args:
         mesh: what `Mesh.of` takes.
         resolution: voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
-        sign: what decides that a centre is inside: "auto", "exact", "normal", "pseudonormal", "winding" or "vote".
+        sign: what decides that a centre is inside: "auto", "exact", "winding" or "vote".
         interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
         sharp: cells on sharp edges and corners get a vertex there.
         shell: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
