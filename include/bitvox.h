@@ -1505,8 +1505,8 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  * Make a closed, manifold, oriented mesh without crossing triangles from any mesh.
  *
  * Triangles that are there twice count once. The sign rule says which centres are inside, with a smooth lid over every hole;
- * pieces that enclose nothing (a lid over their holes would have 0.7 of their area or more, or no voxel close behind most of
- * their area is inside) become shells. Marching cubes between inside and outside centres, vertices where the closest points of
+ * pieces that enclose nothing become shells: no voxel close behind most of their area is inside, or a lid over their holes would
+ * have 0.7 of their area or more and they do not, like faces or triangles torn apart, make a body together. Marching cubes between inside and outside centres, vertices where the closest points of
  * both ends say, on lids where the winding number passes a half. The guarantee is that of marching cubes, whatever the input; what
  * is thinner than a voxel is lost or becomes a shell.
  *
@@ -1516,7 +1516,8 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area; nothing is left: no inside and no shells asked for, or all parts
  * below least_part), BVX_ERR_RANGE, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
  * Memory: the mesh, two grids and what the sign rule needs, then a grid, 32 bytes for each centre next to the surface and what
- * bvx_measure_field needs a triangle; with a report that of bvx_mesh_check on both meshes. Cost: the solid, the closest points of
+ * bvx_measure_field needs a triangle; with a report that of bvx_mesh_check on both meshes. A scan of 69 thousand triangles: the
+ * mesh made, three grids and 45 bytes a vertex made (24 MiB at 256, 112 at 512), with a report 36 and 155. Cost: the solid, the closest points of
  * the centres next to the surface, the surface; target_triangles: the solid for each resolution tried.
  * Source: "Model repair by a vector distance field", with its formula mended.
  */

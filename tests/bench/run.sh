@@ -68,10 +68,12 @@ measure_voxels() {
 }
 
 measure_field() {
-    rm -f "$out"/field* "$out"/peers_field* "$out/step.md"
+    rm -f "$out"/field* "$out"/peers_field* "$out/step.md" "$out/defects.md"
     echo "== distance fields and repair"
     "$BENCHES/bench_field" "$MESHES" "$out" 9 >"$out/field.md" && cat "$out/field.md"
     if [ -n "$python" ]; then peer tests/bench/peers_field.py "$out" "$BENCHES/bench_field" "$MESHES"; fi
+    echo "== repair of shapes that were spoilt"
+    "$BENCHES/bench_defects" >"$out/defects.md" && cat "$out/defects.md"
     echo "== the repair paper's experiment"
     "$BENCHES/bench_step" "$MESHES" >"$out/step.md" && cat "$out/step.md"
 }
