@@ -742,7 +742,7 @@ typedef struct bvx_hollow_options {
     double thickness;     /**< of the shell that stays: set voxels whose nearest empty centre is at most so far, with 2^-40 to
                                spare [Units: world] [Limit: > 0] [Default: 0, must be set] */
     double drain_radius;  /**< of a round hole through the shell; 0: none [Units: world] [Default: 0] */
-    int32_t drain_side;   /**< the side that it comes from, BVX_OPEN_... [Default: 0, BVX_OPEN_Z_LOW] */
+    int32_t drain_side;   /**< the side that it comes from, BVX_OPEN_... [Default: BVX_OPEN_Z_LOW] */
     int32_t drain_placed; /**< 1: the hole's axis goes through drain_at; 0: through the middle of the hollow's layer nearest to that
                                side, or the voxel of the layer nearest to it [Default: 0] */
     double drain_at[2];   /**< the other two coordinates, x before y before z [Units: world] */

@@ -67,7 +67,7 @@ BVXI_VECTOR_INLINE void byte_steps(const uint8_t *BVXI_RESTRICT near, int32_t le
 }
 
 /* The nearest target of each voxel by its place, the left one of two. */
-static void find_places(uint32_t bits, const bvxi_row_carry *carry, int32_t x, int32_t *places)
+static void find_target_places(uint32_t bits, const bvxi_row_carry *carry, int32_t x, int32_t *places)
 {
     int32_t last = carry->left, next = carry->right;
     for (int32_t i = 0; i < BVXI_LANES; i++) {
@@ -89,6 +89,6 @@ int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry,
     if (bits == 0 && left > reach && right - (BVXI_LANES - 1) > reach) return 0;
     byte_steps(table->near[low], left, high != 0 ? 8 + bvxi_lowest(high) : right, steps);
     byte_steps(table->near[high], low != 0 ? 8 - bvxi_highest(low) : left + 8, right - 8, steps + 8);
-    if (places != NULL) find_places(bits, carry, x, places);
+    if (places != NULL) find_target_places(bits, carry, x, places);
     return 1;
 }
