@@ -41,7 +41,7 @@ int32_t bvxi_step_sweeps(const bvxi_morph *morph, const bvxi_bit_box *box);
 bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source, const bvxi_bit_box *first,
                             const bvxi_bit_box *second);
 
-/* ---- morph_ball.c: balls, by distances ---- */
+/* ---- morph_ball.c: balls, large ones by distances ---- */
 
 /* What the ball of a radius is in squares of the transform (weight and limit of morph). */
 bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_lattice *lattice, double radius, bvxi_morph *morph);
@@ -49,6 +49,13 @@ bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_latti
 int32_t bvxi_ball_reach(const bvxi_morph *morph, int axis);
 /* One operation from box to box. */
 bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from, double to, const bvxi_bit_box *source,
+                           const bvxi_bit_box *target);
+
+/* ---- morph_runs.c: small balls, a word at a time ---- */
+
+int bvxi_ball_is_small(const bvxi_morph *morph);
+/* As bvxi_morph_ball, for those alone. */
+bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from, double to, const bvxi_bit_box *source,
                            const bvxi_bit_box *target);
 
 /* ---- morphology.c ---- */

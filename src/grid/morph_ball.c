@@ -2,7 +2,9 @@
  *
  * Source: Cuisenaire, Macq. Fast Euclidean Morphological Operators Using Local Distance Transformation by Propagation. 1999 (a
  * ball's dilation is a distance transform with a threshold); here by transform.c, whose squares become bits as they come, so no
- * field of numbers is held beside one tile of 16 columns. Rows further than the radius from all targets along x are left out. */
+ * field of numbers is held beside one tile of 16 columns. Rows further than the radius from all targets along x are left out.
+ * This takes as long for any radius; balls of less than about 35 voxels are done sooner as runs of bits (morph_runs.c), and both make
+ * the same bits. */
 #include "grid/morph.h"
 
 #include <math.h>
@@ -60,6 +62,7 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     int const erode = operation == BVXI_ERODE;
     bvxi_transform t = {0};
     ball_job job;
+    if (bvxi_ball_is_small(morph)) return bvxi_morph_runs(ctx, morph, operation, from, to, source, target);
     job.to = *target;
     job.limit = morph->limit < 1e300 ? morph->limit : 1e300; /* no target is infinite */
     job.whole_limit = morph->limit < 4294967294.0 ? (uint32_t)morph->limit : UINT32_MAX - 1;
