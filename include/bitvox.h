@@ -717,11 +717,12 @@ BVX_API void bvx_morph_options_init(bvx_morph_options *options, size_t size);
  *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (a ball: spacings beyond 2^-400 .. 2^400), BVX_ERR_CAPACITY, BVX_ERR_BUDGET,
  * BVX_ERR_MEMORY, BVX_CANCELLED.
- * Memory: the result; neighbourhoods: slices of at most 1 MiB or three a step for each worker, and one more grid from the second
- * sweep of steps on. A ball: 64 bytes a row (128 where voxels are not cubic), and 160 to 288 a voxel of the longer side along y
- * or z for each worker; open and close one more grid. open with beyond 1, close with beyond 0: two more grids that are wider by the reach on every
+ * Memory: the result; neighbourhoods: four slices and for each worker three a step, up to 1 MiB or three, and one more grid from the
+ * second such sweep on. A ball of less than about 35 voxels: two slices and for each worker as many as its radius; larger ones
+ * 72 bytes a row (136 where voxels are not cubic), and 160 to 290 a voxel of the longer side along y or z for each worker. open and
+ * close with a ball: one more grid; open with beyond 1 and close with beyond 0: two grids that are wider by the reach on every
  * side (along x by whole words).
- * Cost: O(words * steps); a ball: O(voxels), less where targets are further than radius. Local: a window with a halo of the
+ * Cost: O(words * steps); a ball: O(words * radius^2), no more than O(voxels). Local: a window with a halo of the
  * reach (open, close: twice) holds the bits of the whole there.
  * Exact. Source: Serra. Image Analysis and Mathematical Morphology. 1982; for the ball as bvx_grid_distance.
  */

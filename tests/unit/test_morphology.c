@@ -225,6 +225,34 @@ static void test_balls_equal_voxel_by_voxel(void)
             }
 }
 
+/* A ball is a threshold of distances; radii from 2 to 70 take one way and the other. */
+static void test_balls_equal_distances(void)
+{
+    static const double radii[4] = {2.0, 20.0, 40.0, 70.0};
+    for (int i = 0; i < (is_brief() ? 4 : 16); i++) {
+        int32_t const erode = i / 4 % 2, beyond = i % 3 == 0;
+        double const r = radii[i % 4];
+        open_grid(129, 45, 50, 1, 1, i < 8 ? 1 : 0.75);
+        scatter(erode ? 1000 : 0);
+        for (int k = 0; k < 4; k++) bvx_grid_set(&grid, maker_below(&seed, 129), maker_below(&seed, 45), maker_below(&seed, 50), !erode);
+        size_t const n = voxels_of(&grid);
+        double *const d = room_for(n, sizeof *d);
+        bvx_morph_options const o = ball_of(r, beyond);
+        bvx_distance_options far;
+        bvx_distance_options_init(&far, sizeof far);
+        far.side = erode ? BVX_DISTANCE_INSIDE : BVX_DISTANCE_OUTSIDE;
+        far.beyond = beyond ? BVX_BEYOND_SET : BVX_BEYOND_EMPTY;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, &far, BVX_F64, d, n));
+        bvx_grid g = made_by(erode ? ERODE : DILATE, &grid, &o);
+        for (size_t k = 0; k < n; k++) {
+            int const within = d[k] <= r;
+            TEST_ASSERT_EQUAL_INT(within != erode, bvx_grid_get(&g, (int32_t)(k % 129), (int32_t)(k / 129 % 45), (int32_t)(k / 129 / 45)));
+        }
+        bvx_grid_free(ctx, &g);
+        free(d);
+    }
+}
+
 static void test_a_ball_of_one_voxel_is_a_cross(void)
 {
     open_grid(70, 9, 9, 0.1, 0.1, 0.1);
@@ -498,6 +526,7 @@ int main(void)
     RUN_TEST(test_steps_equal_voxel_by_voxel_at_word_edges);
     RUN_TEST(test_many_steps_equal_voxel_by_voxel);
     RUN_TEST(test_balls_equal_voxel_by_voxel);
+    RUN_TEST(test_balls_equal_distances);
     RUN_TEST(test_a_ball_of_one_voxel_is_a_cross);
     RUN_TEST(test_identities);
     RUN_TEST(test_moving_the_set_moves_the_result);
