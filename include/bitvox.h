@@ -782,8 +782,8 @@ typedef struct bvx_distance_options {
     int32_t side;      /**< BVX_DISTANCE_... [Default: BVX_DISTANCE_OUTSIDE] */
     int32_t beyond;    /**< BVX_BEYOND_... [Default: BVX_BEYOND_NOTHING] */
     uint64_t *nearest; /**< receives for each voxel the linear index x + nx * (y + ny * z) in the window of the one that its distance
-                            is to, the least index of equally near ones; UINT64_MAX: there is none, or all of them lie beyond the
-                            window [Size: nx * ny * nz] [Default: NULL] */
+                            is to, the least index of equally near ones, UINT64_MAX where there is none or all of them lie beyond
+                            the window [Size: nx * ny * nz] [Default: NULL] */
     uint64_t reserved[2];
 } bvx_distance_options;
 

@@ -303,5 +303,5 @@ const cli_command cli_morph = {
     "bore a drain hole through it; distance writes each centre's distance to the nearest set voxel, or\n"
     "empty one (.npy .nrrd .vti). Radii and thicknesses are in the lattice's unit.",
     "bitvox morph close fixtures/knot.ply -o closed.bvx --resolution 96 --radius 0.1\n"
-    "bitvox morph hollow fixtures/knot.ply -o shell.bvx --resolution 96 --thickness 0.1 --drain 0.05\n"
+    "bitvox morph hollow fixtures/knot.ply -o shell.bvx --resolution 96 --thickness 0.15 --drain 0.15\n"
     "bitvox morph distance fixtures/knot.ply -o distance.vti --resolution 64 --side signed", run_morph};

@@ -122,7 +122,7 @@ static bvx_status measure_side(bvx_context *ctx, distance_job *job, int32_t insi
     return bvxi_transform_run(&t);
 }
 
-static bvx_status measure_distances(bvx_context *ctx, distance_job *job)
+static bvx_status measure_grid_distances(bvx_context *ctx, distance_job *job)
 {
     int32_t const side = job->o.side;
     const double *const s = job->grid->lattice.spacing;
@@ -183,7 +183,7 @@ bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid, const b
                              grid->lattice.spacing[a]);
     job.values = values;
     job.value_type = value_type;
-    return measure_distances(context, &job);
+    return measure_grid_distances(context, &job);
 }
 
 bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options, uint32_t *squares,
@@ -205,5 +205,5 @@ bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid,
         return bvxi_fail(context, BVX_ERR_RANGE, "%s: squares in a window of %d x %d x %d voxels do not fit 32 bits; take bvx_grid_distance",
                          function, (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
     job.squares = squares;
-    return measure_distances(context, &job);
+    return measure_grid_distances(context, &job);
 }

@@ -235,7 +235,7 @@ static uint64_t hash_of_distances(int32_t threads, int32_t cpu)
     bvx_distance_options const o = options_of(BVX_DISTANCE_SIGNED, BVX_BEYOND_EMPTY, nearest);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(other, &grid, &o, BVX_F64, values, n));
     uint64_t hash = 0;
-    for (size_t i = 0; i < n; i++) hash = hash * 31 + (uint64_t)(values[i] * 4096.0) * 7 + nearest[i];
+    for (size_t i = 0; i < n; i++) hash = hash * 31 + (uint64_t)(int64_t)(values[i] * 4096.0) * 7 + nearest[i];
     bvx_distance_options const plain = options_of(BVX_DISTANCE_SIGNED, BVX_BEYOND_EMPTY, NULL);
     double *const same = room_for(n, sizeof *same);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(other, &grid, &plain, BVX_F64, same, n));
