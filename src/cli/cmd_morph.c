@@ -13,6 +13,7 @@ typedef struct morph_job {
     morph_action action;
     cli_input in;
     uint64_t before;          /* set voxels of the input */
+    int roomy;                /* its lattice was given room for all that is added */
     bvx_grid out;
     bvx_hollow_report hollow;
 } morph_job;
@@ -101,6 +102,7 @@ static int make_room(cli_run *run, morph_job *job)
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
     voxels = cli_given(run, "--radius") ? ceil(o->radius / (l.spacing[2] < least ? l.spacing[2] : least)) : (double)(o->steps != 0 ? o->steps : 1);
     o->padding = voxels < 65536.0 ? (int32_t)voxels : 65536;
+    job->roomy = voxels <= 65536.0;
     return CLI_DONE;
 }
 
@@ -167,7 +169,7 @@ static void tell_morph(cli_run *run, const morph_job *job)
         if (h->hollowed == 0) cli_warn(run, "nothing lies deeper than %.9g: there is no hollow", run->options.thickness);
     }
     cli_text_add(t, "}");
-    if (job->action == DILATE && touches_side(&job->out) && !touches_side(&job->in.grid))
+    if (job->action == DILATE && !job->roomy && touches_side(&job->out) && !touches_side(&job->in.grid))
         cli_warn(run, "what was added reaches the grid's sides and ends there; a --padding of the grid's makes room");
     if (run->report.set == 0) cli_warn(run, "no voxel is set");
 }

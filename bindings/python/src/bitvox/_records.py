@@ -15,6 +15,7 @@ _NAMES = {
     "bvx_solid_report": "SolidReport",
     "bvx_fill_comparison": "FillComparison",
     "bvx_seed": "Seed",
+    "bvx_hollow_report": "HollowReport",
     "bvx_surface_report": "SurfaceReport",
     "bvx_octree_level": "OctreeLevel",
     "bvx_octree_leaf": "OctreeLeaf",
