@@ -786,6 +786,136 @@ BVX_API void bvx_surface_options_init(bvx_surface_options *options, size_t size)
 BVX_API bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                         const bvx_surface_options *options, bvx_grid *surface);
 
+/* ---- Morphology and distance -------------------------------------------------------------------------------- */
+
+typedef struct bvx_morph_options {
+    size_t struct_size;
+    int32_t neighbourhood; /**< 6: voxels across faces, 18: and edges, 26: and corners; 0: a ball [Default: 6] */
+    int32_t steps;         /**< how many times the neighbourhood is applied; a ball takes 1 [Limit: 1..65536] [Default: 1] */
+    double radius;         /**< of the ball: centres at most so far are in it, Euclidean, with 2^-40 of it to spare, so that 0.3
+                                reaches three voxels of 0.1 [Units: world] [Limit: >= 0] [Default: 0] */
+    int32_t beyond;        /**< what lies beyond the window: 0 empty, 1 set voxels [Default: 0] */
+    int32_t reserved;
+} bvx_morph_options;
+
+BVX_API void bvx_morph_options_init(bvx_morph_options *options, size_t size);
+
+/**
+ * Grow and shrink a set of voxels by its neighbours or by a ball.
+ *
+ * dilate  voxels that have a set one within the neighbourhood (steps times) or the ball
+ * erode   voxels that have no empty one there
+ * open    eroded, then dilated: what is too thin to hold the neighbourhood goes; a part of the grid
+ * close   dilated, then eroded: gaps that cannot hold it are filled; the grid is a part of it
+ *
+ * All is done as in unbounded space with beyond outside the window, then cut to the window: so open and close keep their word at
+ * the sides too, and erode with beyond 0 is the complement of dilate with beyond 1 of the complement.
+ *
+ * grid    NULL options: one voxel across faces
+ * result  zeroed, or with words of the caller's, which are not the grid's; of the grid's lattice and window
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (a ball: spacings beyond 2^-400 .. 2^400), BVX_ERR_CAPACITY, BVX_ERR_BUDGET,
+ * BVX_ERR_MEMORY, BVX_CANCELLED.
+ * Memory: the result; neighbourhoods: four slices and for each worker three a step, up to 1 MiB or three, and one more grid from the
+ * second such sweep on. A ball of less than about 35 voxels: two slices and for each worker as many as its radius; larger ones
+ * 72 bytes a row (136 where voxels are not cubic), and 160 to 290 a voxel of the longer side along y or z for each worker. open and
+ * close with a ball: one more grid; open with beyond 1 and close with beyond 0: two grids that are wider by the reach on every
+ * side (along x by whole words).
+ * Cost: O(words * steps); a ball: O(words * radius^2), no more than O(voxels). Local: a window with a halo of the
+ * reach (open, close: twice) holds the bits of the whole there.
+ * Exact. Source: Serra. Image Analysis and Mathematical Morphology. 1982; for the ball as bvx_grid_distance.
+ */
+BVX_API bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result);
+BVX_API bvx_status bvx_grid_erode(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result);
+BVX_API bvx_status bvx_grid_open(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result);
+BVX_API bvx_status bvx_grid_close(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result);
+
+typedef struct bvx_hollow_report {
+    uint64_t hollowed;   /**< voxels that became empty inside */
+    uint64_t drained;    /**< voxels that the drain hole took */
+    double drain[3];     /**< centre of the voxel where the hole meets the hollow; 0 without a hole [Units: world] */
+    uint64_t reserved[4];
+} bvx_hollow_report;
+
+typedef struct bvx_hollow_options {
+    size_t struct_size;
+    double thickness;     /**< of the shell that stays: set voxels whose nearest empty centre is at most so far, with 2^-40 to
+                               spare [Units: world] [Limit: > 0] [Default: 0, must be set] */
+    double drain_radius;  /**< of a round hole through the shell; 0: none [Units: world] [Default: 0] */
+    int32_t drain_side;   /**< the side that it comes from, BVX_OPEN_... [Default: BVX_OPEN_Z_LOW] */
+    int32_t drain_placed; /**< 1: the hole's axis goes through drain_at; 0: through the middle of the hollow's layer nearest to that
+                               side, or the voxel of the layer nearest to it [Default: 0] */
+    double drain_at[2];   /**< the other two coordinates, x before y before z [Units: world] */
+    int32_t beyond;       /**< what lies beyond the window: 0 empty, 1 set voxels [Default: 0] */
+    int32_t reserved;
+    bvx_hollow_report *report; /**< receives counts when not NULL [Default: NULL] */
+} bvx_hollow_options;
+
+BVX_API void bvx_hollow_options_init(bvx_hollow_options *options, size_t size);
+
+/** Leave a shell of a body: voxels deeper than thickness become empty, the outer surface stays but for the drain hole. The hole
+ *  takes the set voxels whose centre lies within drain_radius of its axis, from its side to where the axis first meets the hollow;
+ *  parts of the hollow that are not joined there stay closed. Where nothing is deep enough the result is the grid itself, without
+ *  a hole.
+ *  result  zeroed, or with words of the caller's, which are not the grid's
+ *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis meets no hollow), and as bvx_grid_erode with a ball. Memory and cost: of
+ *  bvx_grid_erode with a ball. Exact. */
+BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options, bvx_grid *result);
+
+/** Which distances are wanted. */
+enum {
+    BVX_DISTANCE_OUTSIDE = 0, /**< of every centre to the nearest set one: 0 on set voxels */
+    BVX_DISTANCE_INSIDE = 1,  /**< of every centre to the nearest empty one: 0 on empty voxels */
+    BVX_DISTANCE_SIGNED = 2   /**< outside less inside: negative on set voxels, never 0 */
+};
+
+/** What lies beyond the window. */
+enum {
+    BVX_BEYOND_NOTHING = 0, /**< no voxels at all */
+    BVX_BEYOND_EMPTY = 1,   /**< empty voxels */
+    BVX_BEYOND_SET = 2      /**< set voxels */
+};
+
+typedef struct bvx_distance_options {
+    size_t struct_size;
+    int32_t side;      /**< BVX_DISTANCE_... [Default: BVX_DISTANCE_OUTSIDE] */
+    int32_t beyond;    /**< BVX_BEYOND_... [Default: BVX_BEYOND_NOTHING] */
+    uint64_t *nearest; /**< receives for each voxel the linear index x + nx * (y + ny * z) in the window of the one that its distance
+                            is to, the least index of equally near ones, UINT64_MAX where there is none or all of them lie beyond
+                            the window [Size: nx * ny * nz] [Default: NULL] */
+    uint64_t reserved[2];
+} bvx_distance_options;
+
+BVX_API void bvx_distance_options_init(bvx_distance_options *options, size_t size);
+
+/**
+ * The exact Euclidean distance between centres of voxels, for every voxel of the window, x fastest, then y, then z.
+ *
+ * Cubic voxels: the least square is a whole number, the distance spacing * sqrt of it. Others: the least of (wx dx^2 + wy dy^2) +
+ * wz dz^2 with w the square of the spacing, in doubles rounded after each step; which voxel is nearest in a row, then in a slice,
+ * then in the window is decided without rounding. Then rounded to value_type.
+ * Where there is no such voxel the distance is infinite (SIGNED: negative on set voxels).
+ *
+ * value_type  BVX_F32 or BVX_F64
+ * values      [Size: nx * ny * nz] [Units: world]
+ * capacity    numbers that values holds
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY, BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100),
+ * BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ * Memory: 264 bytes a row (520 where voxels are not cubic; nearest: 512 more), and 350 to 1300 a voxel of the longer side along y
+ * or z for each worker; no field of the whole beside values.
+ * Cost: O(voxels), SIGNED twice. Exact. A window with a halo holds the values of the whole up to the distance to the halo's end.
+ * Source: Meijster, Roerdink, Hesselink. A General Algorithm for Computing Distance Transforms in Linear Time. 2000.
+ */
+BVX_API bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options, int32_t value_type,
+                                     void *values, uint64_t capacity);
+
+/** The squares as whole numbers, for cubic voxels [Units: voxels^2]; UINT32_MAX where there is no such voxel. OUTSIDE and INSIDE.
+ *  Returns as bvx_grid_distance; BVX_ERR_ARGUMENT also for SIGNED and for voxels that are not cubic, BVX_ERR_RANGE for windows whose
+ *  squared diagonal is 2^32 - 2^16 or more (bvx_grid_distance has no such limit). */
+BVX_API bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options,
+                                             uint32_t *squares, uint64_t capacity);
+
 /* ---- Refinement -------------------------------------------------------------------------------------------- */
 
 /** What an octree says of a voxel; as bits, so that they make sets. */

@@ -34,6 +34,7 @@ enum {
     CLI_SLICE = 1 << 13,
     CLI_REPAIR = 1 << 9,
     CLI_BOOLEAN = 1 << 10,
+    CLI_MORPH = 1 << 16,
     CLI_ALL = 0x7fffffff
 };
 
@@ -123,6 +124,8 @@ typedef struct cli_options {
     int64_t least_part, least_cavity;
     double half_width;          /* of a field's band; 0: no end */
     int32_t vectors, value_type; /* value_type: BVX_F32, BVX_F64 */
+    int32_t neighbourhood, steps, beyond, side, drain_side; /* morph: by the places among their names */
+    double radius, thickness, drain;
 } cli_options;
 
 /* What voxelize sets: the solid, or 1 + BVX_SURFACE_...; or distances in place of voxels. */
@@ -318,6 +321,11 @@ bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice
 
 /* ---- solids.c: the rules that fill a mesh ---- */
 
+/* Refuse options that speak of voxelizing beside a grid; path names it. */
+int cli_refuse_for_grid(cli_run *run, const char *path);
+/* The mesh of an input becomes its solid. */
+int cli_fill_input(cli_run *run, cli_input *in);
+
 /* Refuse options that the rule of --fill has no use for. */
 int cli_check_fill(cli_run *run);
 /* --fill and its options; second and the report are the caller's. */
@@ -392,10 +400,12 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
 /* Write the mesh as run->options.output, which is open, and keep it. */
 int cli_write_mesh(cli_run *run, const bvx_mesh *mesh);
 
-/* ---- field_output.c: voxelize --mode field ---- */
+/* ---- field_output.c: distances as files; voxelize --mode field ---- */
 
 /* Refuse options and names that the mode has no use for; choose the padding. */
 int cli_check_field(cli_run *run);
+/* Write a field as one file or two. */
+int cli_write_field(cli_run *run, const bvx_field *field);
 /* Measure on the report's lattice, write, tell; ends the stage that the caller began. */
 int cli_voxelize_field(cli_run *run, const bvx_mesh_view *view, const bvx_window *window);
 
@@ -505,7 +515,7 @@ const cli_command *cli_command_at(int i);
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
 extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill,
-    cli_sections, cli_slice, cli_repair, cli_boolean;
+    cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);

@@ -10,13 +10,14 @@
 #     BENCH_ONLY=voxels     surfaces of voxels, fills and refinement alone; their tables are then printed, without a report
 #     BENCH_ONLY=field      distance fields, repair and its paper's experiment alone
 #     BENCH_ONLY=grids      set algebra and booleans of meshes alone
+#     BENCH_ONLY=morph      morphology and distances of grids alone
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}" "${BENCH_ONLY:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -85,10 +86,23 @@ measure_grids() {
     if [ -n "$python" ]; then peer tests/bench/peers_grids.py "$out" "$BENCHES/bench_grids" "$MESHES"; fi
 }
 
+measure_morph() {
+    rm -f "$out"/morph* "$out/peers_morph.md"
+    echo "== morphology and distances of grids"
+    "$BENCHES/bench_morph" "$MESHES" "$out" 9 >"$out/morph.md" && cat "$out/morph.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_morph.py "$out"; fi
+}
+
 find_python
 if [ "$BENCH_ONLY" = grids ]; then
     measure_grids
     cat "$out/grids.jsonl" "$out/peers_grids.jsonl" 2>/dev/null
+    load >>"$out/load"
+    exit 0
+fi
+if [ "$BENCH_ONLY" = morph ]; then
+    measure_morph
+    cat "$out/morph.jsonl"
     load >>"$out/load"
     exit 0
 fi
@@ -129,6 +143,7 @@ if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$o
 measure_voxels
 measure_field
 measure_grids
+measure_morph
 
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
