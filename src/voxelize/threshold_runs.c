@@ -56,21 +56,6 @@ static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tal
 
 /* ---- a type's run ---- */
 
-#if BVXI_HAVE_AVX2
-/* 64 floats by the sign bits of comparisons. */
-BVXI_AVX2 static inline uint64_t range_64_f32_avx2(const uint8_t *p, float low, float high)
-{
-    __m256 const l = _mm256_set1_ps(low), h = _mm256_set1_ps(high);
-    uint64_t w = 0;
-    for (int32_t i = 0; i < 8; i++) {
-        __m256 const v = _mm256_loadu_ps((const float *)(const void *)(p + 32 * i));
-        __m256 const in = _mm256_and_ps(_mm256_cmp_ps(v, l, _CMP_GE_OQ), _mm256_cmp_ps(v, h, _CMP_LE_OQ));
-        w |= (uint64_t)(uint32_t)_mm256_movemask_ps(in) << 8 * i;
-    }
-    return w;
-}
-#endif
-
 /* low <= v <= high for 64 samples one behind the other; least and greatest of them to 16 lanes, when counted. */
 #define RANGE_BLOCK(suffix, c_type)                                                                                     \
     BVXI_VECTOR_INLINE uint64_t range_64_##suffix(const uint8_t *p, c_type low, c_type high)                            \
@@ -94,8 +79,8 @@ BVXI_AVX2 static inline uint64_t range_64_f32_avx2(const uint8_t *p, float low, 
             }                                                                                                           \
     }
 
-/* The whole run. odd: whether a block of 64 holds what is no finite number; block: the comparison of 64. */
-#define RANGE_RUN(name, attributes, suffix, c_type, type, field, odd, block)                                            \
+/* The whole run. odd: whether a block of 64 holds what is no finite number. */
+#define RANGE_RUN(name, attributes, suffix, c_type, type, field, odd)                                                   \
     attributes static void name(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n, uint64_t *words) \
     {                                                                                                                   \
         const bvxi_range *const r = rule;                                                                               \
@@ -116,7 +101,7 @@ BVXI_AVX2 static inline uint64_t range_64_f32_avx2(const uint8_t *p, float low, 
                     memcpy(gathered + (size_t)k * sizeof(c_type), gathered, sizeof(c_type));                            \
                 q = gathered;                                                                                           \
             }                                                                                                           \
-            w = r->empty ? 0 : block(q, low, high) & (~UINT64_C(0) >> (64 - count));                                    \
+            w = r->empty ? 0 : range_64_##suffix(q, low, high) & (~UINT64_C(0) >> (64 - count));                                    \
             words[i >> 6] = w;                                                                                          \
             if (t == NULL) continue;                                                                                    \
             inside += bvxi_popcount(w);                                                                                 \
@@ -143,22 +128,12 @@ BVXI_AVX2 static inline uint64_t range_64_f32_avx2(const uint8_t *p, float low, 
 #if BVXI_HAVE_AVX2
 #define RANGE_TYPE(suffix, c_type, type, field, odd)                                                              \
     RANGE_BLOCK(suffix, c_type)                                                                                   \
-    RANGE_RUN(range_run_##suffix, RANGE_PORTABLE, suffix, c_type, type, field, odd, range_64_##suffix)            \
-    RANGE_RUN(range_run_##suffix##_avx2, BVXI_AVX2, suffix, c_type, type, field, odd, RANGE_FAST_##suffix)
-#define RANGE_FAST_u8 range_64_u8
-#define RANGE_FAST_i8 range_64_i8
-#define RANGE_FAST_u16 range_64_u16
-#define RANGE_FAST_i16 range_64_i16
-#define RANGE_FAST_u32 range_64_u32
-#define RANGE_FAST_i32 range_64_i32
-#define RANGE_FAST_u64 range_64_u64
-#define RANGE_FAST_i64 range_64_i64
-#define RANGE_FAST_f32 range_64_f32_avx2
-#define RANGE_FAST_f64 range_64_f64
+    RANGE_RUN(range_run_##suffix, RANGE_PORTABLE, suffix, c_type, type, field, odd)                               \
+    RANGE_RUN(range_run_##suffix##_avx2, BVXI_AVX2, suffix, c_type, type, field, odd)
 #else
 #define RANGE_TYPE(suffix, c_type, type, field, odd) \
     RANGE_BLOCK(suffix, c_type)                      \
-    RANGE_RUN(range_run_##suffix, RANGE_PORTABLE, suffix, c_type, type, field, odd, range_64_##suffix)
+    RANGE_RUN(range_run_##suffix, RANGE_PORTABLE, suffix, c_type, type, field, odd)
 #endif
 
 RANGE_TYPE(u8, uint8_t, BVX_SAMPLE_U8, u, NEVER_ODD)
@@ -172,6 +147,59 @@ RANGE_TYPE(i64, int64_t, BVX_SAMPLE_I64, i, NEVER_ODD)
 RANGE_TYPE(f32, float, BVX_SAMPLE_F32, f, any_odd_f32)
 RANGE_TYPE(f64, double, BVX_SAMPLE_F64, d, any_odd_f64)
 
+/* ---- floats, eight at a time ---- */
+
+#if BVXI_HAVE_AVX2
+/* What range_run_f32 does, for the whole words of a row without gaps: bits by the signs of comparisons, extremes and whether there
+ * is anything but finite numbers on the way. Extremes ignore NaN in either operand's place, as such blocks are counted anew. */
+BVXI_AVX2 static int32_t range_words_f32_avx2(const bvxi_range *r, bvxi_range_tally *t, const uint8_t *p, int32_t n, uint64_t *words)
+{
+    __m256 const low = _mm256_set1_ps(r->low.f), high = _mm256_set1_ps(r->high.f);
+    __m256i const no_sign = _mm256_set1_epi32(0x7fffffff), greatest_finite = _mm256_set1_epi32(0x7f7fffff);
+    __m256 least = _mm256_set1_ps(3.4028234663852886e38f), greatest = _mm256_set1_ps(-3.4028234663852886e38f);
+    float lanes[16];
+    uint64_t inside = 0;
+    int any = 0;
+    for (int32_t k = 0; k < n; k++, p += 256) {
+        __m256i odd = _mm256_setzero_si256();
+        __m256 small = least, large = greatest;
+        uint64_t w = 0;
+        for (int32_t i = 0; i < 8; i++) {
+            __m256 const v = _mm256_loadu_ps((const float *)(const void *)(p + 32 * i));
+            __m256 const in = _mm256_and_ps(_mm256_cmp_ps(v, low, _CMP_GE_OQ), _mm256_cmp_ps(v, high, _CMP_LE_OQ));
+            w |= (uint64_t)(uint32_t)_mm256_movemask_ps(in) << 8 * i;
+            if (t == NULL) continue;
+            odd = _mm256_or_si256(odd, _mm256_cmpgt_epi32(_mm256_and_si256(_mm256_castps_si256(v), no_sign), greatest_finite));
+            small = _mm256_min_ps(v, small);
+            large = _mm256_max_ps(v, large);
+        }
+        words[k] = w;
+        if (t == NULL) continue;
+        inside += (uint64_t)__builtin_popcountll(w);
+        if (!_mm256_testz_si256(odd, odd)) {
+            count_each(p, BVX_SAMPLE_F32, 64, t);
+            continue;
+        }
+        least = small;
+        greatest = large;
+        any = 1;
+    }
+    if (t == NULL) return n;
+    t->inside += inside;
+    _mm256_storeu_ps(lanes, least);
+    _mm256_storeu_ps(lanes + 8, greatest);
+    if (any) count_each((const uint8_t *)lanes, BVX_SAMPLE_F32, 16, t);
+    return n;
+}
+
+BVXI_AVX2 static void range_rows_f32_avx2(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n, uint64_t *words)
+{
+    const bvxi_range *const r = rule;
+    int32_t const whole = stride == 4 && !r->empty ? range_words_f32_avx2(r, tally, p, n >> 6, words) : 0;
+    if (64 * whole < n) range_run_f32_avx2(rule, tally, p + (size_t)whole * 256, stride, n - 64 * whole, words + whole);
+}
+#endif
+
 /* ---- the choice ---- */
 
 bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type)
@@ -181,7 +209,7 @@ bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type)
 #if BVXI_HAVE_AVX2
     static bvxi_bits_fn *const fast[11] = {NULL, range_run_u8_avx2, range_run_i8_avx2, range_run_u16_avx2, range_run_i16_avx2,
                                            range_run_u32_avx2, range_run_i32_avx2, range_run_u64_avx2, range_run_i64_avx2,
-                                           range_run_f32_avx2, range_run_f64_avx2};
+                                           range_rows_f32_avx2, range_run_f64_avx2};
     if (bvxi_cpu(ctx) == BVX_CPU_AVX2) return fast[type];
 #else
     (void)ctx;
