@@ -15,11 +15,12 @@ import csource  # noqa: E402
 # Results are freed without a context at hand, and words of grids are combined here until the library does it.
 GLUE_CDEF = """
 extern "Python" int32_t bvxpy_progress(void *, const char *, double);
+extern "Python" int32_t bvxpy_inflate(void *, const void *, uint64_t, void *, uint64_t);
 void bvxpy_combine(uint64_t *out, const uint64_t *a, const uint64_t *b, uint64_t count, int operation);
 void bvxpy_invert(bvx_grid *grid);
 """
 # What the library makes and takes back; an older library has fewer.
-THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections")
+THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections", "volume")
 
 GLUE = """
 #include "bitvox.h"

@@ -49,7 +49,7 @@ BVXI_VECTOR_INLINE double cut_of_level(double level, double a, double b)
 BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, const bvxi_cell_list *list,
                                     int32_t first, uint64_t vertex)
 {
-    const bvxi_level *const s = m->level;
+    const bvxi_level_samples *const s = m->level;
     const int32_t *const size = m->grid->size;
     int64_t const step = s->stride[axis], row = (int64_t)j * s->stride[1] + (int64_t)k * s->stride[2];
     double const y = bvxi_place_along(m, 1, j, 0.0), z = bvxi_place_along(m, 2, k, 0.0);

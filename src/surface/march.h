@@ -21,19 +21,19 @@ typedef struct bvxi_slot {
 typedef double bvxi_ratio_fn(const void *user, int32_t axis, int32_t i, int32_t j, int32_t k);
 
 /* Samples whose level the surface is: the grid holds which of them are inside. */
-typedef struct bvxi_level {
+typedef struct bvxi_level_samples {
     const uint8_t *samples; /* of the window's voxel (0,0,0) */
     int64_t stride[3];      /* [Units: bytes] */
     int32_t type;           /* BVX_SAMPLE_... */
     double level;
-} bvxi_level;
+} bvxi_level_samples;
 
 typedef struct bvxi_march {
     const bvx_grid *grid;
     bvx_extract_options options;
     bvxi_ratio_fn *ratio;
     const void *ratio_user;
-    const bvxi_level *level;          /* in place of ratio, or NULL */
+    const bvxi_level_samples *level;          /* in place of ratio, or NULL */
     const char *function;             /* named in messages */
     int32_t cpu;
     int32_t cell_low[3], cell_high[3]; /* visited cells by low corner, inclusive */

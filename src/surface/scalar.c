@@ -46,7 +46,7 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     double const end = 1.7976931348623157e308; /* no finite sample lies beyond */
     bvx_extract_options extract;
     bvxi_march m = {0};
-    bvxi_level level;
+    bvxi_level_samples level;
     bvxi_range range;
     bvx_status status;
     bvx_extract_options_init(&extract, sizeof extract);

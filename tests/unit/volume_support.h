@@ -15,7 +15,7 @@ static fault_heap heap;
 static uint64_t seed;
 
 /* A context with the given threads over a watched heap. */
-static void open_context(int32_t threads, int32_t cpu)
+static inline void open_context(int32_t threads, int32_t cpu)
 {
     bvx_context_options o;
     bvx_context_options_init(&o, sizeof o);
@@ -39,14 +39,14 @@ void tearDown(void)
     TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
 }
 
-static size_t type_size(int32_t type)
+static inline size_t type_size(int32_t type)
 {
     static const size_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
     return size[type];
 }
 
 /* Write v, whole and in the type's range where it is a type of whole numbers. */
-static void store_sample(void *at, int32_t type, double v)
+static inline void store_sample(void *at, int32_t type, double v)
 {
     uint8_t u8 = 0;
     int8_t i8 = 0;
@@ -80,7 +80,7 @@ typedef struct test_volume {
 
 /* order: the axes from the fastest to the slowest as digits (12 = x, y, z is 012); flips: a bit for each axis; gap: bytes between
  * rows of the fastest axis. low: the window begins so far inside its lattice. */
-static void make_volume(test_volume *t, int32_t type, const int32_t size[3], int32_t low, const int order[3], int flips, int64_t gap)
+static inline void make_volume(test_volume *t, int32_t type, const int32_t size[3], int32_t low, const int order[3], int flips, int64_t gap)
 {
     static const double origin[3] = {-3.25, 10.5, 0.0}, spacing[3] = {0.5, 0.75, 1.25};
     int32_t const dims[3] = {size[0] + 2 * low, size[1] + 2 * low, size[2] + 2 * low};
@@ -103,19 +103,19 @@ static void make_volume(test_volume *t, int32_t type, const int32_t size[3], int
     t->view.samples = t->memory + first;
 }
 
-static void free_volume(test_volume *t)
+static inline void free_volume(test_volume *t)
 {
     free(t->memory);
     free(t->value);
     memset(t, 0, sizeof *t);
 }
 
-static size_t value_index(const test_volume *t, int32_t x, int32_t y, int32_t z)
+static inline size_t value_index(const test_volume *t, int32_t x, int32_t y, int32_t z)
 {
     return ((size_t)z * (size_t)t->view.size[1] + (size_t)y) * (size_t)t->view.size[0] + (size_t)x;
 }
 
-static void set_value(test_volume *t, int32_t x, int32_t y, int32_t z, double v)
+static inline void set_value(test_volume *t, int32_t x, int32_t y, int32_t z, double v)
 {
     int64_t const at = x * t->view.strides[0] + y * t->view.strides[1] + z * t->view.strides[2];
     if (t->view.sample_type == BVX_SAMPLE_F32) v = (double)(float)v;
@@ -124,7 +124,7 @@ static void set_value(test_volume *t, int32_t x, int32_t y, int32_t z, double v)
 }
 
 /* Whole numbers from least to most for all samples. */
-static void fill_noise(test_volume *t, double least, double most)
+static inline void fill_noise(test_volume *t, double least, double most)
 {
     const int32_t *const n = t->view.size;
     for (int32_t z = 0; z < n[2]; z++)

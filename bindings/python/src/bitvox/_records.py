@@ -22,6 +22,8 @@ _NAMES = {
     "bvx_lod_report": "LodReport",
     "bvx_repair_report": "RepairReport",
     "bvx_sections_report": "SectionsReport",
+    "bvx_volume_report": "VolumeReport",
+    "bvx_label": "Label",
 }
 _YES_NO = {"closed", "edge_manifold", "vertex_manifold", "oriented", "exceeds_source", "found", "verified", "flood_leaked",
            "shelled"}
