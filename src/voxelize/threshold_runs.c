@@ -56,17 +56,26 @@ static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tal
 
 /* ---- a type's run ---- */
 
+#if BVXI_HAVE_AVX2
+/* Bit i is byte i of p, each 0 or 1. */
+BVXI_AVX2 static inline uint64_t flags_to_word_avx2(const uint8_t p[64])
+{
+    __m256i const low = _mm256_loadu_si256((const __m256i *)(const void *)p);
+    __m256i const high = _mm256_loadu_si256((const __m256i *)(const void *)(p + 32));
+    uint64_t const first = (uint32_t)_mm256_movemask_epi8(_mm256_slli_epi16(low, 7));
+    return (uint64_t)(uint32_t)_mm256_movemask_epi8(_mm256_slli_epi16(high, 7)) << 32 | first;
+}
+#endif
+
 /* low <= v <= high for 64 samples one behind the other; least and greatest of them to 16 lanes, when counted. */
 #define RANGE_BLOCK(suffix, c_type)                                                                                     \
-    BVXI_VECTOR_INLINE uint64_t range_64_##suffix(const uint8_t *p, c_type low, c_type high)                            \
+    BVXI_VECTOR_INLINE void range_64_##suffix(const uint8_t *p, c_type low, c_type high, uint8_t flag[64])              \
     {                                                                                                                   \
-        uint8_t flag[64];                                                                                               \
         for (size_t i = 0; i < 64; i++) {                                                                               \
             c_type v;                                                                                                   \
             memcpy(&v, p + i * sizeof v, sizeof v);                                                                     \
             flag[i] = (uint8_t)((v >= low) & (v <= high));                                                              \
         }                                                                                                               \
-        return bvxi_flags_to_word(flag);                                                                                \
     }                                                                                                                   \
     BVXI_VECTOR_INLINE void extremes_64_##suffix(const uint8_t *p, c_type least[RANGE_LANES], c_type greatest[RANGE_LANES]) \
     {                                                                                                                   \
@@ -79,15 +88,15 @@ static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tal
             }                                                                                                           \
     }
 
-/* The whole run. odd: whether a block of 64 holds what is no finite number. */
-#define RANGE_RUN(name, attributes, suffix, c_type, type, field, odd)                                                   \
+/* The whole run. odd: whether a block of 64 holds what is no finite number; to_word: 64 flags to bits. */
+#define RANGE_RUN(name, attributes, suffix, c_type, type, field, odd, to_word)                                          \
     attributes static void name(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n, uint64_t *words) \
     {                                                                                                                   \
         const bvxi_range *const r = rule;                                                                               \
         bvxi_range_tally *const t = tally;                                                                              \
         c_type const low = (c_type)r->low.field, high = (c_type)r->high.field;                                          \
         c_type least[RANGE_LANES], greatest[RANGE_LANES];                                                               \
-        uint8_t gathered[64 * sizeof(c_type)];                                                                          \
+        uint8_t flag[64], gathered[64 * sizeof(c_type)];                                                                        \
         int lanes = 0;                                                                                                  \
         uint64_t inside = 0;                                                                                            \
         for (int32_t i = 0; i < n; i += 64) {                                                                           \
@@ -101,7 +110,8 @@ static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tal
                     memcpy(gathered + (size_t)k * sizeof(c_type), gathered, sizeof(c_type));                            \
                 q = gathered;                                                                                           \
             }                                                                                                           \
-            w = r->empty ? 0 : range_64_##suffix(q, low, high) & (~UINT64_C(0) >> (64 - count));                                    \
+            range_64_##suffix(q, low, high, flag);                                                                      \
+            w = r->empty ? 0 : to_word(flag) & (~UINT64_C(0) >> (64 - count));                                          \
             words[i >> 6] = w;                                                                                          \
             if (t == NULL) continue;                                                                                    \
             inside += bvxi_popcount(w);                                                                                 \
@@ -116,10 +126,12 @@ static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tal
         }                                                                                                               \
         if (t == NULL) return;                                                                                          \
         t->inside += inside;                                                                                            \
-        if (lanes) {                                                                                                    \
-            count_each((const uint8_t *)least, type, RANGE_LANES, t);                                                   \
-            count_each((const uint8_t *)greatest, type, RANGE_LANES, t);                                                \
+        for (size_t l = 1; l < RANGE_LANES && lanes; l++) {                                                             \
+            least[0] = least[l] < least[0] ? least[l] : least[0];                                                       \
+            greatest[0] = greatest[l] > greatest[0] ? greatest[l] : greatest[0];                                        \
         }                                                                                                               \
+        if (lanes) count_each((const uint8_t *)least, type, 1, t);                                                      \
+        if (lanes) count_each((const uint8_t *)greatest, type, 1, t);                                                   \
     }
 
 #define NEVER_ODD(p) 0
@@ -128,12 +140,12 @@ static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tal
 #if BVXI_HAVE_AVX2
 #define RANGE_TYPE(suffix, c_type, type, field, odd)                                                              \
     RANGE_BLOCK(suffix, c_type)                                                                                   \
-    RANGE_RUN(range_run_##suffix, RANGE_PORTABLE, suffix, c_type, type, field, odd)                               \
-    RANGE_RUN(range_run_##suffix##_avx2, BVXI_AVX2, suffix, c_type, type, field, odd)
+    RANGE_RUN(range_run_##suffix, RANGE_PORTABLE, suffix, c_type, type, field, odd, bvxi_flags_to_word)           \
+    RANGE_RUN(range_run_##suffix##_avx2, BVXI_AVX2, suffix, c_type, type, field, odd, flags_to_word_avx2)
 #else
 #define RANGE_TYPE(suffix, c_type, type, field, odd) \
     RANGE_BLOCK(suffix, c_type)                      \
-    RANGE_RUN(range_run_##suffix, RANGE_PORTABLE, suffix, c_type, type, field, odd)
+    RANGE_RUN(range_run_##suffix, RANGE_PORTABLE, suffix, c_type, type, field, odd, bvxi_flags_to_word)
 #endif
 
 RANGE_TYPE(u8, uint8_t, BVX_SAMPLE_U8, u, NEVER_ODD)
@@ -188,7 +200,12 @@ BVXI_AVX2 static int32_t range_words_f32_avx2(const bvxi_range *r, bvxi_range_ta
     t->inside += inside;
     _mm256_storeu_ps(lanes, least);
     _mm256_storeu_ps(lanes + 8, greatest);
-    if (any) count_each((const uint8_t *)lanes, BVX_SAMPLE_F32, 16, t);
+    for (int32_t l = 1; l < 8; l++) {
+        lanes[0] = lanes[l] < lanes[0] ? lanes[l] : lanes[0];
+        lanes[8] = lanes[8 + l] > lanes[8] ? lanes[8 + l] : lanes[8];
+    }
+    if (any) count_each((const uint8_t *)lanes, BVX_SAMPLE_F32, 1, t);
+    if (any) count_each((const uint8_t *)(lanes + 8), BVX_SAMPLE_F32, 1, t);
     return n;
 }
 

@@ -9,6 +9,7 @@
 #     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
 #     BENCH_ONLY=voxels     surfaces of voxels, fills and refinement alone; their tables are then printed, without a report
 #     BENCH_ONLY=field      distance fields, repair and its paper's experiment alone
+#     BENCH_ONLY=volumes    thresholds and surfaces of scalar volumes alone
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -75,7 +76,19 @@ measure_field() {
     "$BENCHES/bench_step" "$MESHES" >"$out/step.md" && cat "$out/step.md"
 }
 
+measure_volumes() {
+    rm -f "$out"/volume*
+    echo "== scalar volumes"
+    "$BENCHES/bench_volumes" "$MESHES" "$out" 9 >"$out/volumes.md" && cat "$out/volumes.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_volumes.py "$out" | tee -a "$out/volumes.md"; fi
+    rm -f "$out/volume_dragon.f32"
+}
+
 find_python
+if [ "$BENCH_ONLY" = volumes ]; then
+    measure_volumes
+    exit 0
+fi
 if [ "$BENCH_ONLY" = field ]; then
     measure_field
     cat "$out/field.jsonl" "$out/peers_field.jsonl" 2>/dev/null
@@ -112,6 +125,7 @@ if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$o
 
 measure_voxels
 measure_field
+measure_volumes
 
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
