@@ -259,7 +259,8 @@ static int fuzz_seed_all(bvx_context *ctx, fuzz_seed *seeds)
 static size_t fuzz_damage(uint8_t *file, size_t size)
 {
     static const uint32_t numbers[] = {0, 1, 2, 0xffffffffu, 0x7fffffffu, 0x80000000u, 0xffff, 256, 1 << 25};
-    static const char *const words[] = {"4294967295", "-1", "nan", "1e999", " ", "\n", "0", "99999999999999999999", "dim 9 9 9\n", "encoding: gzip\n", "data file: a%03d 1 9 2\n", "data file: LIST\n",
+    static const char *const words[] = {"4294967295", "-1", "nan", "1e999", " ", "\n", "0", "99999999999999999999", "dim 9 9 9\n",
+                                        "encoding: gzip\n", "data file: a%03d 1 9 2\n", "data file: LIST\n",
                                         "data\n", "SIZE", "XYZI", "<", "/>", "\"", "ascii", "double", "(3,4)", "\xff\xff\xff\xff\x7f"};
     size_t const at = fuzz_below(size);
     switch (fuzz_below(8)) {
