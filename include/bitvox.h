@@ -1082,8 +1082,8 @@ BVX_API void bvx_read_volume_options_init(bvx_read_volume_options *options, size
  * BVX_FORMAT_VTI   raw, base64 or ascii without compression, cell or point data
  * BVX_FORMAT_RAW   samples alone, of the options' size, type and byte order
  *
- * Numbers of a text become f64 where their type is double, 64-bit whole numbers where it is one, else what the head says (VTI's
- * too); text that its type cannot hold is refused. Half-precision floats become f32. Where the samples stand in the file as they
+ * Numbers of a text become the type that the head says; one that it cannot hold is refused (64-bit whole numbers: beyond 2^53, as
+ * text is read as doubles). Half-precision floats become f32. Where the samples stand in the file as they
  * are needed (raw, this machine's byte order) the view points into bytes (or options.data), which must stay as long as it is used;
  * else they are copied, packed with x fastest. The lattice is the file's box, as in bvx_read_grid.
  *
