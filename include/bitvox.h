@@ -1171,6 +1171,165 @@ BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid,
  *  Cost: O(n), radix sorts. Memory: the result, and 24 bytes a vertex or triangle of the parts. */
 BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole);
 
+/* ---- Scalar volumes ------------------------------------------------------------------------------------------ */
+
+/** Types of samples, in this machine's byte order. */
+enum {
+    BVX_SAMPLE_U8 = 1, BVX_SAMPLE_I8 = 2, BVX_SAMPLE_U16 = 3, BVX_SAMPLE_I16 = 4, BVX_SAMPLE_U32 = 5, BVX_SAMPLE_I32 = 6,
+    BVX_SAMPLE_U64 = 7, BVX_SAMPLE_I64 = 8, BVX_SAMPLE_F32 = 9, BVX_SAMPLE_F64 = 10
+};
+
+/** Borrowed samples: one number at the centre of each voxel of a window. Sample (i,j,k) of the window stands at
+ *  (const char *)samples + i * strides[0] + j * strides[1] + k * strides[2], at any address (alignment is not asked for). */
+typedef struct bvx_volume_view {
+    const void *samples;
+    int32_t sample_type; /**< BVX_SAMPLE_... */
+    int32_t reserved0;
+    int32_t low[3];      /**< window: lattice index of sample (0,0,0) [Units: voxels] */
+    int32_t size[3];     /**< window: samples along each axis [Units: voxels] */
+    int64_t strides[3];  /**< of either sign [Units: bytes] [Default: all 0, packed with x fastest] */
+    bvx_lattice lattice;
+    uint64_t reserved[4];
+} bvx_volume_view;
+
+/** What a volume's window holds. */
+typedef struct bvx_volume_report {
+    uint64_t nan;       /**< samples that are no number */
+    uint64_t infinite;  /**< samples that are infinite, of either sign */
+    uint64_t inside;    /**< samples that became set voxels */
+    double least;       /**< of the finite samples; 64-bit whole numbers are rounded to double; 0 when there is none */
+    double greatest;
+    uint64_t reserved[3];
+} bvx_volume_report;
+
+/**
+ * Set the voxels whose sample lies in a range: low <= sample <= high.
+ *
+ * low, high  not NaN; -infinity and infinity leave a side open. Samples are compared as what they are, so the answer is exact
+ *            for all types (no sample is rounded). low above high sets nothing. NaN and infinite samples are never set.
+ * report     receives counts and the least and greatest sample when not NULL
+ * grid       zeroed, or with words of the caller's; its window is the volume's
+ *
+ * Returns BVX_ERR_ARGUMENT (also a view whose type, strides or reserved fields are none), BVX_ERR_RANGE (window outside the
+ * lattice), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. Memory: the grid, and 12 KiB with a report.
+ * Cost: O(samples), read once in the order of the fastest axis, 64 at a time. Local: a window holds the bits of the whole there.
+ */
+BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
+                                 bvx_volume_report *report, bvx_grid *grid);
+
+typedef struct bvx_scalar_options {
+    size_t struct_size;
+    double level;              /**< value of the surface [Limit: not NaN] [Default: 0] */
+    int32_t below;             /**< inside is where 0: sample >= level, 1: sample <= level [Default: 0] */
+    int32_t face_rule;         /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t position_type;     /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t open_sides;        /**< BVX_OPEN_... [Default: 0, beyond the window is outside] */
+    int32_t keys;              /**< 1: fill vertex_keys and triangle_keys [Limit: dims < 2^20] [Default: 0] */
+    int32_t local_frame;       /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
+    bvx_volume_report *report; /**< receives counts when not NULL [Default: NULL] */
+    uint64_t reserved[2];
+} bvx_scalar_options;
+
+BVX_API void bvx_scalar_options_init(bvx_scalar_options *options, size_t size);
+
+/**
+ * The surface of a level in a volume, by marching cubes with linear positions on the edges between samples.
+ *
+ * A sample is inside when it is finite and level <= sample (below: sample <= level), so one that equals the level is inside. A
+ * vertex lies where the straight line between the values at its edge's ends meets the level, but no nearer to an end than 1/128
+ * of the edge; at its middle where an end is NaN, infinite or beyond the window, so a body that is cut by the volume's sides ends
+ * on them. Faces of cells with two diagonals follow one rule for all (face_rule), not the values. With that the result is what
+ * bvx_extract_surface promises: closed, outwards, edge- and vertex-manifold, no duplicate triangle and none without area, for
+ * any samples; a side that is left open has a boundary there. Windows that overlap by one layer of samples, open where they
+ * meet, tile the whole, and bvx_mesh_merge joins them to the whole's bytes.
+ *
+ * mesh      as for bvx_extract_surface; bvx_extract_count of bvx_threshold(level, infinity) tells its exact size
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (positions too coarse: take f64 or local_frame; 2^32 vertices or more),
+ * BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. A volume without a crossing gives an empty mesh.
+ * Memory: the mesh, one bit a sample and 16 bytes a row. Cost: O(samples), read once, and the samples beside the surface again.
+ * Source: Lorensen, Cline. Marching Cubes. 1987; triangulations from src/surface/tables.py.
+ */
+BVX_API bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume, const bvx_scalar_options *options,
+                                      bvx_mesh *mesh);
+
+/** A value of a label map. */
+typedef struct bvx_label {
+    int64_t value;    /**< u64: its bits */
+    uint64_t voxels;
+    int32_t low[3];   /**< box of its voxels, in the window [Units: voxels] */
+    int32_t size[3];
+} bvx_label;
+
+/** The values other than 0 of a volume of whole numbers, ascending, each with its voxels and their box. labels NULL: *count
+ *  becomes how many there are. bvx_threshold from a value to itself gives a label's voxels.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_CAPACITY (*count becomes how many there are),
+ *  BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. Memory: up to 200 bytes a label. Cost: O(samples). */
+BVX_API bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels, uint64_t capacity,
+                                   uint64_t *count);
+
+/** A volume that was read. */
+typedef struct bvx_volume {
+    bvx_volume_view view;
+    uint64_t bytes;   /**< of view.samples where the library made them */
+    int32_t owned;    /**< 1 when bvx_volume_free returns view.samples to the allocator; 0: they stand in the file's bytes */
+    int32_t placed;   /**< 0: the file tells no lattice; origin 0 and spacing 1 are taken */
+    uint64_t reserved[2];
+} bvx_volume;
+
+/** Return what the library allocated and zero the struct. */
+BVX_API void bvx_volume_free(bvx_context *context, bvx_volume *volume);
+
+/** Unpack gzip or zlib data to exactly plain_size bytes. Returns 0 when that is what they hold; any other number when they are
+ *  damaged, longer or shorter. Called on the calling thread. */
+typedef int32_t bvx_inflate_fn(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size);
+
+typedef struct bvx_read_volume_options {
+    size_t struct_size;
+    const void *data;        /**< NRRD with a detached head: the bytes of its data files, one behind the other [Default: NULL] */
+    uint64_t data_size;      /**< [Units: bytes] */
+    bvx_inflate_fn *inflate; /**< NRRD of encoding gzip [Default: NULL, refused] */
+    void *inflate_user;      /**< first argument of inflate */
+    int32_t sample_type;     /**< RAW: BVX_SAMPLE_... */
+    int32_t big_endian;      /**< RAW: 1: the highest byte first [Default: 0] */
+    int32_t size[3];         /**< RAW: samples along each axis, x fastest [Units: voxels] */
+    int32_t reserved0;
+    uint64_t offset;         /**< RAW: bytes before the first sample; what stands behind the last is left alone [Default: 0] */
+    double origin[3];        /**< RAW: low corner of the first voxel [Units: world] [Default: 0, 0, 0] */
+    double spacing[3];       /**< RAW: [Units: world] [Default: 1, 1, 1] */
+    uint64_t reserved[2];
+} bvx_read_volume_options;
+
+BVX_API void bvx_read_volume_options_init(bvx_read_volume_options *options, size_t size);
+
+/**
+ * Read a volume from the bytes of a file.
+ *
+ * BVX_FORMAT_NRRD  three axes, x fastest, any scalar type; encoding raw, ascii, or gzip with options.inflate; head and samples in
+ *                  one file, or the samples in others (bvx_volume_data_name tells their names, options.data brings them)
+ * BVX_FORMAT_NPY   any whole-number or float type of either byte order and either order of axes, three axes [x,y,z]
+ * BVX_FORMAT_VTI   raw, base64 or ascii without compression, cell or point data
+ * BVX_FORMAT_RAW   samples alone, of the options' size, type and byte order
+ *
+ * Numbers of a text become the type that the head says; one that it cannot hold is refused (64-bit whole numbers: beyond 2^53, as
+ * text is read as doubles). Half-precision floats become f32. Where the samples stand in the file as they
+ * are needed (raw, this machine's byte order) the view points into bytes (or options.data), which must stay as long as it is used;
+ * else they are copied, packed with x fastest. The lattice is the file's box, as in bvx_read_grid.
+ *
+ * Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (dims beyond the limits), BVX_ERR_UNSUPPORTED (a format or encoding
+ * that is not read, turned axes, gzip without inflate), BVX_ERR_ARGUMENT (also a detached head without data), BVX_ERR_MEMORY,
+ * BVX_ERR_BUDGET, BVX_CANCELLED. Memory: none, or the samples. Gzip can stand for up to about 1000 times its bytes: give a
+ * context for strangers' files a memory limit.
+ */
+BVX_API bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                   const bvx_read_volume_options *options, bvx_volume *volume);
+
+/** The name of data file number index of an NRRD's detached head, as it stands there (beside the head unless it is absolute), with
+ *  a zero byte behind it. *count becomes how many there are, 0 when the samples follow the head; name may be NULL for the count.
+ *  Returns BVX_ERR_FORMAT, BVX_ERR_ARGUMENT (index not below the count), BVX_ERR_CAPACITY, BVX_ERR_UNSUPPORTED. */
+BVX_API bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_t size, uint64_t index, char *name,
+                                        uint64_t capacity, uint64_t *count);
+
 /* ---- Distance fields ---------------------------------------------------------------------------------------- */
 
 /** What decides that a centre is inside. */
@@ -1659,7 +1818,7 @@ enum {
     BVX_FORMAT_UNKNOWN = 0, BVX_FORMAT_STL = 1, BVX_FORMAT_OBJ = 2, BVX_FORMAT_PLY = 3, BVX_FORMAT_NPY = 4,
     BVX_FORMAT_PNG = 5, BVX_FORMAT_OFF = 6, BVX_FORMAT_GLB = 7, BVX_FORMAT_BINVOX = 8, BVX_FORMAT_VOX = 9,
     BVX_FORMAT_NRRD = 10, BVX_FORMAT_VTI = 11, BVX_FORMAT_BVX = 12,
-    BVX_FORMAT_VTU = 13,
+    BVX_FORMAT_VTU = 13, BVX_FORMAT_RAW = 14,
     BVX_FORMAT_CSL = 20, BVX_FORMAT_CSV = 21, BVX_FORMAT_SVG = 22
 };
 

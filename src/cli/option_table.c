@@ -30,6 +30,8 @@
     {name, value, CLI_SET, commands, FIELD(field), 0, 0, 0, 0, names, base, help}
 #define FILE_NAME(name, value, commands, field, help) {name, value, CLI_FILE, commands, FIELD(field), 0, 0, 0, 0, NULL, 0, help}
 
+#define TAKES_VOLUMES (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)
+
 /* In the order of their numbers. */
 static const char *const method_names[] = {"edge-ratio", "coverage", NULL};
 const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding", NULL};
@@ -49,8 +51,10 @@ static const char *const auto_names[] = {"auto", NULL};
 static const char *const caps_names[] = {"flat", "taper", "open", NULL};
 static const char *const crossings_names[] = {"exact", "paper", "classic", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
+/* By BVX_SAMPLE_... */
+static const char *const sample_type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", NULL};
 /* By BVX_FORMAT_...; those that are only written have no name here. */
-static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
+static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", "", "raw", NULL};
 
 static const cli_argument arguments[] = {
     FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH, output,
@@ -112,6 +116,18 @@ static const cli_argument arguments[] = {
     NUMBER("--base", "H", CLI_VOXELIZE, base, "with --fill below: the height that columns stand on [the lattice's\nlow end]"),
     FILE_NAME("--second", "MESH", CLI_VOXELIZE, second, "with --fill below: what lies between IN and this terrain; tells cut\nand fill"),
     CHOICE("--up", "AXIS", CLI_VOXELIZE, up_axis, axis_names, 1, "with --fill below: x, y or z [z]"),
+    NUMBER("--level", "V", TAKES_VOLUMES, level, "of a volume: set voxels whose sample is V or more (--below: or less)"),
+    {"--range", "A,B", CLI_PAIR, TAKES_VOLUMES, FIELD(range), 0, 0, 0, 0, NULL, 0,
+     "of a volume: set voxels whose sample lies from A to B; one end may be\nleft out"},
+    LONG("--label", "N", TAKES_VOLUMES, value_label, 0, 9007199254740992.0, "of a label map: set the voxels of value N"),
+    FLAG("--all-labels", CLI_VOXELIZE, all_labels, "of a label map: a mesh for each value but 0, to OUT_%d.EXT"),
+    FLAG("--below", TAKES_VOLUMES, below, "with --level: what lies below it is inside"),
+    LIST("--shape", "X,Y,Z", TAKES_VOLUMES, shape, 1, LARGEST_SIDE, 3, 3, "samples along each axis of a .raw file, x fastest"),
+    CHOICE("--sample-type", "TYPE", TAKES_VOLUMES, sample_type, sample_type_names, BVX_SAMPLE_U8,
+           "of a .raw file: u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64"),
+    FLAG("--big-endian", TAKES_VOLUMES, big_endian, "the samples of a .raw file have their highest byte first"),
+    LONG("--skip", "BYTES", TAKES_VOLUMES, skip, 0, 9007199254740992.0, "bytes before the samples of a .raw file [0]"),
+    TRIPLE("--voxel-size", "X,Y,Z", TAKES_VOLUMES, voxel_size, "sides of a voxel of a .raw file [1,1,1]"),
     FLAG("--merge", CLI_FACES, merge, "faces of one plane become few rectangles"),
     LIST("--resolution", "N", CLI_REFINE, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels of the last level along the longest axis, at least, in place\nof --base [--base x 2^--levels]"),

@@ -11,6 +11,7 @@
 #     BENCH_ONLY=field      distance fields, repair and its paper's experiment alone
 #     BENCH_ONLY=grids      set algebra and booleans of meshes alone
 #     BENCH_ONLY=morph      morphology and distances of grids alone
+#     BENCH_ONLY=volumes    thresholds and surfaces of scalar volumes alone
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -93,7 +94,19 @@ measure_morph() {
     if [ -n "$python" ]; then peer tests/bench/peers_morph.py "$out"; fi
 }
 
+measure_volumes() {
+    rm -f "$out"/volume*
+    echo "== scalar volumes"
+    "$BENCHES/bench_volumes" "$MESHES" "$out" 9 >"$out/volumes.md" && cat "$out/volumes.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_volumes.py "$out" | tee -a "$out/volumes.md"; fi
+    rm -f "$out/volume_dragon.f32"
+}
+
 find_python
+if [ "$BENCH_ONLY" = volumes ]; then
+    measure_volumes
+    exit 0
+fi
 if [ "$BENCH_ONLY" = grids ]; then
     measure_grids
     cat "$out/grids.jsonl" "$out/peers_grids.jsonl" 2>/dev/null
@@ -144,6 +157,7 @@ measure_voxels
 measure_field
 measure_grids
 measure_morph
+measure_volumes
 
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
