@@ -840,7 +840,7 @@ typedef struct bvx_hollow_report {
 typedef struct bvx_hollow_options {
     size_t struct_size;
     double thickness;     /**< of the shell that stays: set voxels whose nearest empty centre is at most so far, with 2^-40 to
-                               spare [Units: world] [Limit: > 0] [Default: 0, must be set] */
+                               spare [Units: world] [Limit: a voxel or more along every axis] [Default: 0, must be set] */
     double drain_radius;  /**< of a round hole through the shell; 0: none [Units: world] [Default: 0] */
     int32_t drain_side;   /**< the side that it comes from, BVX_OPEN_... [Default: BVX_OPEN_Z_LOW] */
     int32_t drain_placed; /**< 1: the hole's axis goes through drain_at; 0: through the middle of the hollow's layer nearest to that
@@ -858,7 +858,8 @@ BVX_API void bvx_hollow_options_init(bvx_hollow_options *options, size_t size);
  *  parts of the hollow that are not joined there stay closed. Where nothing is deep enough the result is the grid itself, without
  *  a hole.
  *  result  zeroed, or with words of the caller's, which are not the grid's
- *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis meets no hollow), and as bvx_grid_erode with a ball. Memory and cost: of
+ *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis meets no hollow), BVX_ERR_RANGE (a thickness below a voxel, which would
+ *  leave no shell), and as bvx_grid_erode with a ball. Memory and cost: of
  *  bvx_grid_erode with a ball. Exact. */
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options, bvx_grid *result);
 

@@ -168,6 +168,16 @@ static bvx_status check_hollow(bvx_context *ctx, const char *function, const bvx
     return BVX_OK;
 }
 
+/* A face voxel's nearest empty centre is a spacing away: with less the shell would be open there, or nothing. */
+static bvx_status check_shell(bvx_context *ctx, const char *function, const bvx_lattice *lattice, double thickness)
+{
+    for (int a = 0; a < 3; a++)
+        if (thickness < lattice->spacing[a] * (1.0 - 1.0 / 1099511627776.0))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: thickness %g is less than a voxel, %g along %s: take a finer lattice or a thicker shell",
+                             function, thickness, lattice->spacing[a], a == 0 ? "x" : a == 1 ? "y" : "z");
+    return BVX_OK;
+}
+
 /* *shell becomes the grid without its hollow and hole; hollow is room for a grid. */
 static bvx_status make_shell(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_hollow_options *o, bvx_grid *hollow,
                              bvx_grid *shell, bvx_hollow_report *report)
@@ -199,6 +209,7 @@ bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx
     if (result->words == grid->words) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: the result's array is that of the grid", function);
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
     BVXI_TRY(check_hollow(context, function, &o));
+    BVXI_TRY(check_shell(context, function, &grid->lattice, o.thickness));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     made = *result;

@@ -492,6 +492,9 @@ static void test_what_hollow_refuses(void)
     scatter(1000);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_hollow(ctx, &grid, NULL, &g)); /* no thickness */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_hollow(NULL, &grid, &o, &g));
+    o.thickness = grid.lattice.spacing[0] * 0.75; /* would leave nothing */
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_grid_hollow(ctx, &grid, &o, &g));
+    TEST_ASSERT_NULL(g.words);
     for (int bad = 0; bad < 9; bad++) {
         bvx_grid same = grid;
         o = hollow_of(1.0, NULL);
