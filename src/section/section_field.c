@@ -21,6 +21,7 @@ static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
 {
     bvxi_vertex_map larger = {NULL, NULL, 0, 0};
     bvx_status status;
+    if (s->fixed) return BVX_ERR_BUDGET;
     larger.room = room;
     larger.count = m->count;
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 8, "the crossings of edges", &larger.key);
@@ -58,6 +59,11 @@ bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *m, uint64_t key, uint32
     return BVX_OK;
 }
 
+bvx_status bvxi_map_open(bvxi_stack *s, bvxi_vertex_map *m)
+{
+    return m->room != 0 ? BVX_OK : map_resize(s, m, 64);
+}
+
 void bvxi_map_clear(bvxi_vertex_map *m)
 {
     if (m->count != 0) memset(m->key, 0xff, (size_t)m->room * 8);
@@ -81,6 +87,10 @@ double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q)
 static double grid_distance(bvxi_field *f, bvxi_plane_field *p, int32_t i, int32_t j)
 {
     size_t const n = (size_t)j * (size_t)(f->s->size[0] + 1) + (size_t)i;
+    if (p->distance == NULL) {
+        f->s->report.distances++;
+        return bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0], f->s->origin[1] + j * f->s->step[1], &p->hint);
+    }
     if ((p->known[n >> 6] >> (n & 63) & 1) == 0) {
         p->known[n >> 6] |= UINT64_C(1) << (n & 63);
         p->distance[n] = bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0], f->s->origin[1] + j * f->s->step[1], &p->hint);
@@ -101,7 +111,7 @@ static double corner_distance(bvxi_field *f, const int32_t at[2], int k)
 
 static int is_nothing(const bvxi_field *f, int k)
 {
-    return f->slab->plane[k] == &f->s->nothing;
+    return bvxi_plane_is_nothing(f->slab->plane[k]);
 }
 
 double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside)
@@ -132,15 +142,11 @@ double bvxi_field_at(bvxi_field *f, double u, double v, double t)
 
 /* ---- crossings of lines ---- */
 
-/* Where the line over a point is crossed, as a share of the way, and between which levels. */
-static double line_share(bvxi_field *f, const int32_t at[2], uint8_t *layer)
+/* Where a line is crossed, as a share of the way, and between which levels; distances on both planes. */
+static double line_share(const bvxi_field *f, double below, double above, uint8_t *layer)
 {
-    double d[2], t;
+    double t = below + above > 0.0 ? below / (below + above) : 0.5;
     int32_t l = 0;
-    for (int k = 0; k < 2; k++) d[k] = is_nothing(f, k) ? 0.0 : corner_distance(f, at, k);
-    for (int k = 0; k < 2; k++)
-        if (is_nothing(f, k)) d[k] = f->depth - d[1 - k];
-    t = d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     if (f->layers > 1) {
         t *= f->layers;
         l = t >= f->layers ? f->layers - 1 : t > 0.0 ? (int32_t)t : 0;
@@ -152,50 +158,80 @@ static double line_share(bvxi_field *f, const int32_t at[2], uint8_t *layer)
     return (l + t) / f->layers;
 }
 
-static bvx_status cross_over(bvxi_field *f, const int32_t at[2], uint8_t *layer, uint32_t *vertex)
+static bvx_status cross_over(bvxi_field *f, double u, double v, const double d[2], uint8_t *layer, uint32_t *vertex)
 {
     const double *const w = f->slab->w;
-    double const t = line_share(f, at, layer);
+    double const below = is_nothing(f, 0) ? f->depth - d[1] : d[0], above = is_nothing(f, 1) ? f->depth - d[0] : d[1];
+    double const t = line_share(f, below, above, layer);
     double place[3];
-    bvxi_section_place(f->s, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]), w[0] + t * (w[1] - w[0]), place);
+    bvxi_section_place(f->s, u, v, w[0] + t * (w[1] - w[0]), place);
     return bvxi_section_add_vertex(f->s, place, vertex);
 }
 
-/* Call it for every grid point whose line is crossed. */
-static bvx_status each_crossed(bvxi_field *f, bvx_status (*visit)(bvxi_field *f, const int32_t at[2], size_t number))
+/* From what was nearest to the last place of this column or one beside it; columns are numbered from 1. */
+static void start_near(bvxi_plane_field *p, int32_t i)
+{
+    const bvxi_column_hint *best = &p->column[i + 1];
+    if (p->column[i].row > best->row) best = &p->column[i];
+    if (p->column[i + 2].row > best->row) best = &p->column[i + 2];
+    if (best->row >= 0) p->hint = best->segment;
+}
+
+/* Distances of all crossed lines on one plane. The search begins at what was nearest to the place just before, or above, so it
+ * seldom goes far. */
+static void measure_lines(bvxi_field *f, int k)
 {
     bvxi_stack *const s = f->s;
-    for (int32_t j = 0; j <= s->size[1]; j++)
-        for (int32_t k = 0; k < s->words; k++) {
-            uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)k];
-            for (int32_t i = 64 * k; bits != 0; i++, bits >>= 1) {
-                int32_t at[2];
-                while ((bits & 0xff) == 0) {
-                    bits >>= 8;
-                    i += 8;
-                }
-                if ((bits & 1) == 0) continue;
-                at[0] = (int32_t)((uint32_t)i << s->fine);
-                at[1] = (int32_t)((uint32_t)j << s->fine);
-                BVXI_TRY(visit(f, at, (size_t)j * (size_t)(s->size[0] + 1) + (size_t)i));
+    bvxi_plane_field *const p = &f->plane[k];
+    double *const d = f->line[k];
+    uint32_t n = 0;
+    for (int32_t i = 0; i <= s->size[0] + 2; i++) p->column[i].row = -1;
+    for (int32_t j = 0; j <= s->size[1]; j++) {
+        int32_t last = INT32_MIN / 2;
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                if (i - last > 1) start_near(p, i);
+                d[n++] = grid_distance(f, p, i, j);
+                p->column[i + 1].segment = p->hint;
+                p->column[i + 1].row = j;
+                last = i;
             }
-        }
-    return BVX_OK;
+    }
 }
 
-static bvx_status cross_grid_point(bvxi_field *f, const int32_t at[2], size_t number)
+/* How far a plane without loops lies below the other one. */
+static void find_depth(bvxi_field *f)
 {
-    uint8_t layer;
-    BVXI_TRY(cross_over(f, at, &layer, &f->vertex[number]));
-    if (f->layers > 1) f->layer[number] = layer;
-    return BVX_OK;
+    int const k = is_nothing(f, 0);
+    f->depth = 0.0;
+    if (!k && !is_nothing(f, 1)) return;
+    for (uint32_t n = 0; n < f->lines; n++)
+        if (f->line[k][n] > f->depth) f->depth = f->line[k][n];
+    for (uint32_t i = 0; i < f->slab->hanging_count; i++) {
+        const bvxi_hanging *const h = &f->slab->hanging[i];
+        double d;
+        if (h->inside[0] == h->inside[1]) continue;
+        d = corner_distance(f, h->at, k);
+        if (d > f->depth) f->depth = d;
+    }
 }
 
-static bvx_status deepen(bvxi_field *f, const int32_t at[2], size_t number)
+static bvx_status cross_grid_lines(bvxi_field *f)
 {
-    double const d = corner_distance(f, at, is_nothing(f, 0));
-    (void)number;
-    if (d > f->depth) f->depth = d;
+    bvxi_stack *const s = f->s;
+    uint32_t n = 0;
+    f->first = s->ring_vertices + (uint32_t)s->mesh.vertex_count;
+    for (int32_t j = 0; j <= s->size[1]; j++)
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1, n++) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                double const d[2] = {f->line[0][n], f->line[1][n]};
+                uint32_t vertex;
+                uint8_t layer;
+                BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d, &layer, &vertex));
+                if (f->layers > 1) f->layer[n] = layer;
+            }
     return BVX_OK;
 }
 
@@ -203,17 +239,23 @@ static bvx_status cross_lines(bvxi_field *f)
 {
     bvxi_slab *const slab = f->slab;
     size_t const words = (size_t)(f->s->size[1] + 1) * (size_t)f->s->words;
-    for (size_t i = 0; i < words; i++) f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
-    f->depth = 0.0;
-    if (is_nothing(f, 0) || is_nothing(f, 1)) {
-        BVXI_TRY(each_crossed(f, deepen));
-        for (uint32_t i = 0; i < slab->hanging_count; i++)
-            if (slab->hanging[i].inside[0] != slab->hanging[i].inside[1]) BVXI_TRY(deepen(f, slab->hanging[i].at, 0));
+    f->lines = 0;
+    for (size_t i = 0; i < words; i++) {
+        f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
+        f->before[i] = f->lines;
+        f->lines += bvxi_popcount(f->crossed[i]);
     }
-    BVXI_TRY(each_crossed(f, cross_grid_point));
+    for (int k = 0; k < 2; k++)
+        if (!is_nothing(f, k)) measure_lines(f, k);
+    find_depth(f);
+    BVXI_TRY(cross_grid_lines(f));
     for (uint32_t i = 0; i < slab->hanging_count; i++) {
         bvxi_hanging *const h = &slab->hanging[i];
-        if (h->inside[0] != h->inside[1]) BVXI_TRY(cross_over(f, h->at, &h->layer, &h->vertex));
+        double d[2] = {0.0, 0.0};
+        if (h->inside[0] == h->inside[1]) continue;
+        for (int k = 0; k < 2; k++)
+            if (!is_nothing(f, k)) d[k] = corner_distance(f, h->at, k);
+        BVXI_TRY(cross_over(f, bvxi_fixed_u(f->s, 0, h->at[0]), bvxi_fixed_u(f->s, 1, h->at[1]), d, &h->layer, &h->vertex));
     }
     return BVX_OK;
 }
@@ -225,18 +267,36 @@ static uint64_t known_bytes(const bvxi_stack *s)
     return (((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1) + 63) / 64 * 8;
 }
 
+static uint64_t column_bytes(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[0] + 3) * sizeof(bvxi_column_hint);
+}
+
 static void set_plane(bvxi_field *f, bvxi_plane_field *p, const bvxi_plane *plane)
 {
     p->plane = plane;
     p->hint = 0;
-    memset(p->known, 0, (size_t)known_bytes(f->s));
+    if (p->known != NULL) memset(p->known, 0, (size_t)known_bytes(f->s));
+}
+
+static void index_hanging(bvxi_field *f)
+{
+    const bvxi_slab *const slab = f->slab;
+    for (int k = 0; k < 2; k++) {
+        uint32_t *const start = k == 0 ? f->hanging_column : f->hanging_row;
+        uint32_t n = 0;
+        for (int32_t i = 0; i < f->s->size[k] + 2; i++) {
+            while (n < slab->hanging_count && slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i) n++;
+            start[i] = n;
+        }
+    }
 }
 
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 {
     f->slab = slab;
-    f->layers = slab->plane[0] == &f->s->nothing || slab->plane[1] == &f->s->nothing ? 1 : f->s->options.layers;
-    if (f->plane[1].plane == slab->plane[0]) { /* what was above is below now */
+    f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.layers;
+    if (f->s->options.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) { /* what was above is below now */
         bvxi_plane_field const up = f->plane[1];
         f->plane[1] = f->plane[0];
         f->plane[0] = up;
@@ -244,33 +304,44 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
         set_plane(f, &f->plane[0], slab->plane[0]);
     }
     set_plane(f, &f->plane[1], slab->plane[1]);
+    if (slab->hanging_count != 0) index_hanging(f);
     return cross_lines(f);
 }
 
-bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f)
+bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
 {
-    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
+    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1), words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
     memset(f, 0, sizeof *f);
     f->s = s;
+    f->line_room = lines;
     for (int k = 0; k < 2; k++) {
+        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, column_bytes(s), "the distances of a section", &f->plane[k].column));
+        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section", &f->line[k]));
+        if (s->options.crossings == BVX_CROSSINGS_EXACT && s->options.layers == 1) continue;
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the distances of a section", &f->plane[k].distance));
         BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, known_bytes(s), "the distances of a section", &f->plane[k].known));
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 4, "the crossings of lines", &f->vertex));
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, points, "the crossings of lines", &f->layer));
-    return bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8, "the crossed lines", &f->crossed);
+    if (s->options.layers > 1) BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, lines, "the crossings of lines", &f->layer));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[0] + 2) * 4, "the corners of cells", &f->hanging_column));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 2) * 4, "the corners of cells", &f->hanging_row));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 4, "the crossed lines", &f->before));
+    return bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 8, "the crossed lines", &f->crossed);
 }
 
 void bvxi_field_close(bvxi_field *f)
 {
     bvxi_stack *const s = f->s;
-    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
-    bvxi_free(s->ctx, f->crossed, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8);
-    bvxi_free(s->ctx, f->layer, points);
-    bvxi_free(s->ctx, f->vertex, points * 4);
+    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1), words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+    bvxi_free(s->ctx, f->crossed, words * 8);
+    bvxi_free(s->ctx, f->before, words * 4);
+    bvxi_free(s->ctx, f->hanging_row, ((uint64_t)s->size[1] + 2) * 4);
+    bvxi_free(s->ctx, f->hanging_column, ((uint64_t)s->size[0] + 2) * 4);
+    bvxi_free(s->ctx, f->layer, f->line_room);
     for (int k = 2; k-- > 0;) {
         bvxi_free(s->ctx, f->plane[k].known, known_bytes(s));
         bvxi_free(s->ctx, f->plane[k].distance, points * 8);
+        bvxi_free(s->ctx, f->line[k], (uint64_t)f->line_room * 8);
+        bvxi_free(s->ctx, f->plane[k].column, column_bytes(s));
     }
     memset(f, 0, sizeof *f);
 }

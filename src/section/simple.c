@@ -47,15 +47,14 @@ static int is_on(const int32_t *a, const int32_t *b, const int32_t *c)
     return is_between(a[0], b[0], c[0]) && is_between(a[1], b[1], c[1]);
 }
 
-static int segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
+int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
 {
     int const ca = turn_sign(a, b, c), da = turn_sign(a, b, d), ac = turn_sign(c, d, a), bc = turn_sign(c, d, b);
     if (ca * da < 0 && ac * bc < 0) return 1;
     return (ca == 0 && is_on(a, b, c)) || (da == 0 && is_on(a, b, d)) || (ac == 0 && is_on(c, d, a)) || (bc == 0 && is_on(c, d, b));
 }
 
-/* Two segments that share an end: they meet elsewhere when one folds back onto the other. */
-static int folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
+int bvxi_folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
 {
     int64_t const dot = ((int64_t)a[0] - shared[0]) * ((int64_t)b[0] - shared[0]) + ((int64_t)a[1] - shared[1]) * ((int64_t)b[1] - shared[1]);
     return turn_sign(shared, a, b) == 0 && dot > 0;
@@ -66,9 +65,9 @@ static int pair_meets(const bvxi_plane *p, const uint32_t *place, uint32_t i, ui
     uint32_t const in = p->next[i], jn = p->next[j];
     int const after = place[in] == place[j], before = place[jn] == place[i];
     if (after && before) return 1; /* there and back: two different segments between the same two points */
-    if (after) return folds_back(p->q[j], p->q[i], p->q[jn]);
-    if (before) return folds_back(p->q[i], p->q[in], p->q[j]);
-    return segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
+    if (after) return bvxi_folds_back(p->q[j], p->q[i], p->q[jn]);
+    if (before) return bvxi_folds_back(p->q[i], p->q[in], p->q[j]);
+    return bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
 }
 
 static uint32_t loop_of_point(const bvxi_plane *p, uint32_t i)

@@ -9,6 +9,8 @@
 
 #include "lattice/wide.h"
 
+enum { TRACE_FEW = 64 };
+
 /* ---- arrays ---- */
 
 bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point)
@@ -32,6 +34,7 @@ static bvx_status open_loop(bvxi_trace *t, uint64_t count)
     bvxi_stack *const s = t->s;
     uint64_t const room = count + count / 2 + 64, old = t->loop_room;
     if (count <= old) return BVX_OK;
+    if (s->fixed) return BVX_ERR_BUDGET;
     if (room > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: a cell holds more than 2^31 contour points", s->function);
     /* what was is kept: a loop grows while it is followed */
     {
@@ -90,7 +93,6 @@ void bvxi_trace_free(bvxi_trace *t)
     for (int k = 2; k-- > 0;) {
         bvxi_free(s->ctx, t->cross[k], (uint64_t)t->cross_room * 4);
         bvxi_free(s->ctx, t->row[k], (uint64_t)t->row_room * 4);
-        bvxi_free(s->ctx, t->gathered[k], (uint64_t)t->gathered_room[k] * sizeof *t->gathered[k]);
     }
     bvxi_free(s->ctx, t->end, (uint64_t)t->end_room * sizeof *t->end);
     bvxi_free(s->ctx, t->point, (uint64_t)t->point_room * sizeof *t->point);
@@ -191,6 +193,7 @@ static bvx_status open_rows(bvxi_trace *t)
         uint32_t *const room = which == 0 ? &t->row_room : &t->cross_room;
         uint64_t const wanted = which == 0 ? need : crossings, larger = wanted + wanted / 2 + 16;
         if (wanted <= *room) continue;
+        if (s->fixed) return BVX_ERR_BUDGET;
         for (int k = 0; k < 2; k++) {
             uint32_t **const rows = which == 0 ? &t->row[k] : &t->cross[k];
             uint32_t *made;
@@ -212,6 +215,19 @@ static bvx_status open_rows(bvxi_trace *t)
         *room = (uint32_t)larger;
     }
     return BVX_OK;
+}
+
+bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
+{
+    bvxi_stack *const s = t->s;
+    BVXI_TRY(bvxi_slab_grow(s, &t->node, 0, &t->node_room, sizeof *t->node, "the corners of a cell"));
+    BVXI_TRY(bvxi_slab_grow(s, &t->point, 0, &t->point_room, sizeof *t->point, "the crossings of a cell"));
+    BVXI_TRY(bvxi_slab_grow(s, &t->end, 0, &t->end_room, sizeof *t->end, "the crossings of a cell"));
+    t->end_count = t->node_count = TRACE_FEW;
+    BVXI_TRY(open_rows(t));
+    t->end_count = t->node_count = 0;
+    BVXI_TRY(bvxi_map_open(s, &t->folds));
+    return open_loop(t, loop);
 }
 
 /* How many of a row's crossings lie before a node. */
@@ -268,13 +284,12 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
 
 /* ---- loops ---- */
 
-/* Where a contour's stretch of the ring ends, given one place in it. */
-static void ring_of(const bvxi_plane *p, uint32_t point, uint32_t *first, uint32_t *end)
+void bvxi_ring_stretch(const bvxi_plane *p, uint32_t place, uint32_t *first, uint32_t *end)
 {
     uint32_t low = 0, high = p->contour_count;
     while (high - low > 1) {
         uint32_t const middle = low + (high - low) / 2;
-        if (p->contour[middle].first <= point) low = middle;
+        if (p->ring[p->contour[middle].first] <= place) low = middle;
         else high = middle;
     }
     *first = p->ring[p->contour[low].first];
@@ -287,7 +302,7 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t const face = k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE;
     uint32_t first, end, i = p->cut[back ? a->to : a->from].ring, stop = p->cut[back ? a->from : a->to].ring;
-    ring_of(p, p->cut[a->from].segment, &first, &end);
+    bvxi_ring_stretch(p, i, &first, &end);
     for (;;) {
         if (back) i = i == first ? end - 1 : i - 1;
         else i = i + 1 == end ? first : i + 1;
@@ -296,7 +311,7 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
     }
 }
 
-static bvx_status fill_traced(bvxi_trace *t, uint32_t count)
+bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count)
 {
     bvxi_loop_fill l;
     l.count = count;
@@ -335,8 +350,8 @@ static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
     do {
         bvxi_trace_point *const p = &t->point[i];
         if (p->seen || p->next == BVXI_NONE)
-            return bvxi_fail(t->s->ctx, BVX_ERR_FORMAT, "%s: the surface does not close in the grid cell (%u, %u)", t->s->function,
-                             (uint64_t)(t->number % (uint32_t)t->s->size[0]), (uint64_t)(t->number / (uint32_t)t->s->size[0]));
+            return t->s->fixed ? BVX_ERR_FORMAT : bvxi_fail(t->s->ctx, BVX_ERR_FORMAT, "%s: the surface does not close in the grid cell (%u, %u)", t->s->function,
+                             (uint64_t)(t->key & 0xffff), (uint64_t)(t->key >> 16));
         p->seen = 1;
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex, p->faces));
         if (p->link == BVXI_LINK_ARC || p->link == BVXI_LINK_ARC_BACK) {
@@ -350,7 +365,7 @@ static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
         }
         i = t->point[i].next;
     } while (i != start);
-    return fill_traced(t, count);
+    return bvxi_trace_fill(t, count);
 }
 
 /* A loop of a section that lies in the cell whole: closed by a cone. */
@@ -358,10 +373,10 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
 {
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t first, end, count = 0;
-    ring_of(p, a->point, &first, &end);
+    bvxi_ring_stretch(p, p->ring[a->point], &first, &end);
     for (uint32_t i = first; i < end; i++)
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)), k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE));
-    return fill_traced(t, count);
+    return bvxi_trace_fill(t, count);
 }
 
 /* ---- the cell ---- */

@@ -14,7 +14,7 @@ typedef struct bvxi_level {
     bvxi_plane *plane;          /* EXACT, and FIELD on a section */
     double t, w;
     bvxi_vertex_map *edges;     /* FIELD: crossings by edge */
-    const bvxi_cell_arcs *arcs; /* FIELD on a section: contour points by cell */
+    int inserts;                /* FIELD on a section: contour points are put into its lines */
 } bvxi_level;
 
 /* A corner of the cell, or of a finer one on its side. */
@@ -49,12 +49,10 @@ typedef struct bvxi_trace {
     bvxi_vertex_map folds;      /* vertices on sides where a contour comes back */
     /* the cell */
     int32_t low[2], size;
-    uint32_t number;            /* of the grid cell */
+    uint32_t key;               /* of the grid cell */
     int beside_split;           /* 1: it or a cell beside it was subdivided */
     const bvxi_arc *arc[2];
     uint32_t arc_count[2];
-    bvxi_arc *gathered[2];      /* of a cell of the grid */
-    uint32_t gathered_room[2];
     bvxi_trace_node *node;
     uint32_t node_count, node_room;
     bvxi_trace_point *point;
@@ -78,7 +76,13 @@ typedef struct bvxi_trace {
     uint32_t *next, *before;
 } bvxi_trace;
 
+/* Room for what most cells need, so that arrays seldom grow. loop: vertices of the longest loop that is likely. */
+bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
 void bvxi_trace_free(bvxi_trace *t);
+/* Triangles inside the loop of count vertices that vertex and faces hold. */
+bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
+/* Where a contour's stretch of the ring that holds a place begins and ends. */
+void bvxi_ring_stretch(const bvxi_plane *plane, uint32_t place, uint32_t *first, uint32_t *end);
 /* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t);
 /* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */

@@ -655,6 +655,86 @@ static void test_bad_options_are_refused(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_sections(NULL, &stack.s, NULL, &mesh));
 }
 
+/* ---- threads and memory ---- */
+
+static bvx_context *context_of(int32_t threads, void *arena, size_t arena_size, uint64_t limit)
+{
+    bvx_context_options c;
+    bvx_context *made;
+    bvx_context_options_init(&c, sizeof c);
+    c.threads = threads;
+    c.arena = arena;
+    c.arena_size = arena_size;
+    c.memory_limit = limit;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &made));
+    return made;
+}
+
+/* The same mesh and the same report on any number of threads, from an arena, under a limit that is just enough. */
+static void test_threads_and_memory_change_nothing(void)
+{
+    static const int32_t threads[] = {1, 2, 3, 8, 1, 2};
+    static unsigned char arena[1 << 24];
+    uint64_t seed = 77, peak = 0, split = 0;
+    for (int i = 0; i < rounds(20); i++) {
+        bvx_sections_report first;
+        uint64_t hash = 0, other;
+        do {
+            stack_random(&stack, &seed);
+            random_options(&seed);
+            o.crossings = i % 5 < 3 ? BVX_CROSSINGS_EXACT : i % 5 - 2;
+        } while (build() != BVX_OK);
+        for (int k = 0; k < 6; k++) {
+            bvx_context *const c = context_of(threads[k], k == 5 ? arena : NULL, k == 5 ? sizeof arena : 0, k == 4 ? peak : 0);
+            bvx_mesh m = {0};
+            memset(&report, 0, sizeof report);
+            if (bvx_build_sections(c, &stack.s, &o, &m) != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(c));
+            if (k == 0) peak = bvx_memory_peak(c);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &m, &other));
+            bvx_mesh_free(c, &m);
+            TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(c));
+            bvx_context_destroy(c);
+            if (k == 0) {
+                hash = other;
+                first = report;
+                split += report.split_cells;
+            }
+            TEST_ASSERT_EQUAL_HEX64(hash, other);
+            TEST_ASSERT_EQUAL_INT(0, memcmp(&first, &report, sizeof first));
+        }
+        if (i % 5 == 0) { /* with less there is no mesh, and nothing is left */
+            bvx_context *const c = context_of(2, NULL, 0, peak / 2);
+            bvx_mesh m = {0};
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_BUDGET, bvx_build_sections(c, &stack.s, &o, &m));
+            TEST_ASSERT_NULL(m.positions);
+            TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(c));
+            bvx_context_destroy(c);
+        }
+    }
+    TEST_ASSERT_TRUE(split > 0 || rounds(20) < 20);
+}
+
+/* What is wrong with a section is said about the first one, whoever finds it. */
+static void test_threads_refuse_alike(void)
+{
+    for (int32_t threads = 1; threads <= 8; threads += threads == 1 ? 1 : 3) {
+        bvx_context *const c = context_of(threads, NULL, 0, 0);
+        bvx_mesh m = {0};
+        stack_clear(&stack);
+        for (int i = 0; i < 40; i++) {
+            uint32_t const k = stack_section(&stack, i);
+            stack_loop(&stack, k);
+            stack_point(&stack, 0, 0);
+            stack_point(&stack, 4, i == 17 || i == 18 ? 4 : 0);
+            stack_point(&stack, 4, i == 17 || i == 18 ? 0 : 4);
+            stack_point(&stack, 0, 5);
+        }
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, bvx_build_sections(c, &stack.s, &o, &m));
+        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(c), "loop 17 of section 17 (position 17) crosses or touches itself"));
+        bvx_context_destroy(c);
+    }
+}
+
 /* ---- one number for all compilers and processors ---- */
 
 static void test_sections_golden(void)
@@ -700,6 +780,8 @@ int main(void)
     RUN_TEST(test_bad_loops_are_refused);
     RUN_TEST(test_bad_stacks_are_refused);
     RUN_TEST(test_bad_options_are_refused);
+    RUN_TEST(test_threads_and_memory_change_nothing);
+    RUN_TEST(test_threads_refuse_alike);
     RUN_TEST(test_sections_golden);
     return UNITY_END();
 }
