@@ -5,7 +5,7 @@
  * once more in order on the calling thread, which says what it is. */
 #include "section/section.h"
 
-enum { PLANES_SPARE_CUTS = 32 /* for subdivided cells */ };
+enum { PLANES_SPARE_CUTS = 32 /* for subdivided cells */, PLANES_GRAIN = 1024 /* points */ };
 
 typedef struct planes_scratch {
     bvxi_segment_box *sorted, *active;
@@ -32,7 +32,7 @@ typedef struct planes_block {
 
 static int32_t plane_pieces(const bvxi_stack *s)
 {
-    return bvxi_piece_count(s->plane_count, 1);
+    return bvxi_section_pieces(s->plane_count, s->all.point_room, PLANES_GRAIN);
 }
 
 /* ---- places ---- */

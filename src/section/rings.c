@@ -3,6 +3,8 @@
  * for. Rings are the first vertices of the mesh, plane by plane; planes are gone over side by side, once to count and once to place. */
 #include "section/section.h"
 
+enum { RINGS_GRAIN = 4096 };
+
 /* ---- order ---- */
 
 /* Order of two crossings on one segment: -1, 0 (they are one), 1. */
@@ -150,8 +152,8 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
     bvx_status status;
     memset(&job, 0, sizeof job);
     job.s = s;
-    job.pieces = bvxi_piece_count(s->plane_count, 1);
     for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
+    job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
     status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cuts * 4, "the crossings in order", &job.sorted);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first);

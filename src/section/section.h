@@ -142,6 +142,13 @@ bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const doub
 
 /* ---- planes.c: what each plane needs, side by side ---- */
 
+/* Pieces for so many planes or slabs with so much work in all: small bodies are not worth waking a thread for. */
+static inline int32_t bvxi_section_pieces(uint64_t count, uint64_t work, uint64_t grain)
+{
+    int32_t const pieces = bvxi_piece_count(work, grain);
+    return (uint64_t)pieces < count ? pieces : (int32_t)count;
+}
+
 /* Coordinates on the plane, and bounds. */
 bvx_status bvxi_planes_place(bvxi_stack *stack);
 /* Fixed point, directions, areas, boxes, crossings with the grid. */

@@ -8,7 +8,7 @@
 
 #include "mesh/mesh.h"
 
-enum { SLAB_SPARE = 64 };
+enum { SLAB_SPARE = 64, SLAB_GRAIN = 4096 /* triangles */, SLAB_COUNT_GRAIN = 65536 /* words of grid points */ };
 
 typedef struct slabs_worker {
     bvxi_stack view;
@@ -138,8 +138,12 @@ static bvx_status fill_side_by_side(slabs_job *job)
 {
     bvxi_stack *const s = job->s;
     bvx_status status;
+    job->pieces = bvxi_section_pieces(job->count, (uint64_t)job->count * (uint64_t)(s->size[1] + 1) * (uint64_t)s->words, SLAB_COUNT_GRAIN);
     BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.0, 0.1, job->pieces, count_slab_piece, job));
     BVXI_TRY(open_slab_meshes(job));
+    job->pieces = bvxi_section_pieces(job->count, s->slab_mesh.triangle_room, SLAB_GRAIN);
+    job->workers = bvxi_threads(s->ctx) < job->pieces ? bvxi_threads(s->ctx) : job->pieces;
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * sizeof *job->worker, "the slabs' scratch", &job->worker));
     status = open_workers(job);
     if (status == BVX_OK) status = bvxi_parallel(s->ctx, "surface", 0.1, 0.9, job->pieces, fill_slab_piece, job);
     if (status == BVX_OK) status = fill_again(job);
@@ -155,14 +159,13 @@ static bvx_status fill_side_by_side(slabs_job *job)
 static bvx_status fill_in_job(slabs_job *job)
 {
     bvxi_stack *const s = job->s;
-    uint64_t const workers = (uint64_t)job->workers * sizeof *job->worker, rooms = (uint64_t)job->count * 16;
-    bvx_status status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, workers, "the slabs' scratch", &job->worker);
-    if (status == BVX_OK) status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, job->count, "the slabs' scratch", &job->again);
+    uint64_t const rooms = (uint64_t)job->count * 16;
+    bvx_status status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, job->count, "the slabs' scratch", &job->again);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, rooms, "the slabs' scratch", &job->room);
     if (status == BVX_OK) status = fill_side_by_side(job);
+    bvxi_free(s->ctx, job->worker, (uint64_t)job->workers * sizeof *job->worker);
     bvxi_free(s->ctx, job->room, rooms);
     bvxi_free(s->ctx, job->again, job->count);
-    bvxi_free(s->ctx, job->worker, workers);
     return status;
 }
 
@@ -190,8 +193,6 @@ bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
     job.s = s;
     job.slab = slabs;
     job.count = count;
-    job.pieces = bvxi_piece_count(count, 1);
-    job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
     return fill_in_job(&job);
 }
 
@@ -258,7 +259,7 @@ bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count
     job.s = s;
     job.slab = (bvxi_slab *)slabs;
     job.count = count;
-    job.pieces = bvxi_piece_count(count, 1);
+    job.pieces = bvxi_section_pieces(count, s->mesh.vertex_count + s->slab_mesh.triangle_room, SLAB_GRAIN);
     job.mesh = mesh;
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.vertex);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.triangle);
