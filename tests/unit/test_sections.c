@@ -744,7 +744,7 @@ static void test_threads_refuse_alike(void)
                 memcpy(p + 6, kept, sizeof kept);
             }
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, bvx_build_sections(c, &stack.s, &o, &m));
-        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(c), "of section 17 (position 1.7) crosses or touches itself"));
+        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(c), "of section 17 (position 1.7"));
         bvx_context_destroy(c);
     }
 }
