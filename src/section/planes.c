@@ -37,7 +37,7 @@ static int32_t plane_pieces(const bvxi_stack *s)
 
 /* ---- places ---- */
 
-static void place_piece(void *user, int32_t index, int32_t worker)
+static void plane_place_piece(void *user, int32_t index, int32_t worker)
 {
     planes_job *const job = user;
     uint64_t begin, end;
@@ -54,7 +54,7 @@ static void place_piece(void *user, int32_t index, int32_t worker)
 static bvx_status place_in_job(planes_job *job)
 {
     bvxi_stack *const s = job->s;
-    BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.0, 0.25, job->pieces, place_piece, job));
+    BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.0, 0.25, job->pieces, plane_place_piece, job));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         const double *const b = job->bounds[i];
         if (job->unsure[i]) BVXI_TRY(bvxi_plane_place(s, &s->plane[i], s->low, s->high));
@@ -86,7 +86,7 @@ bvx_status bvxi_planes_place(bvxi_stack *s)
 
 /* ---- fixed point ---- */
 
-static void snap_piece(void *user, int32_t index, int32_t worker)
+static void plane_snap_piece(void *user, int32_t index, int32_t worker)
 {
     planes_job *const job = user;
     const planes_scratch *const x = &job->scratch[worker];
@@ -157,7 +157,7 @@ static bvx_status open_cuts(planes_job *job)
     return BVX_OK;
 }
 
-static void cut_piece(void *user, int32_t index, int32_t worker)
+static void plane_cut_piece(void *user, int32_t index, int32_t worker)
 {
     planes_job *const job = user;
     uint64_t begin, end;
@@ -228,7 +228,7 @@ static bvx_status snap_planes(planes_job *job)
     bvxi_stack *const s = job->s;
     planes_block block = {NULL, 0};
     bvx_status status = open_snap_scratch(job, &block);
-    if (status == BVX_OK) status = bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job->pieces, snap_piece, job);
+    if (status == BVX_OK) status = bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job);
     if (status == BVX_OK) status = settle_planes(job);
     bvxi_free(s->ctx, block.block, block.size);
     return status;
@@ -241,7 +241,7 @@ static bvx_status cut_planes(planes_job *job)
     bvx_status status;
     BVXI_TRY(open_cuts(job));
     status = open_cut_scratch(job, &block);
-    if (status == BVX_OK) status = bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job->pieces, cut_piece, job);
+    if (status == BVX_OK) status = bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job->pieces, plane_cut_piece, job);
     bvxi_free(s->ctx, block.block, block.size);
     return status;
 }

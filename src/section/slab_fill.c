@@ -105,7 +105,7 @@ static bvx_status fill_leaves(bvxi_slab_work *w, const bvxi_split *split)
     return BVX_OK;
 }
 
-static bvx_status fill_slab_cell(bvxi_slab_work *w, int32_t i, int32_t j, const uint32_t arcs[2])
+static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, const uint32_t arcs[2])
 {
     bvxi_trace *const t = &w->trace;
     const bvxi_slab *const slab = w->field.slab;
@@ -130,7 +130,7 @@ static int is_beside_split(const bvxi_slab_work *w, int32_t i, int32_t j)
                                                is_split(w, i, j + 1));
 }
 
-static bvx_status fill_cell(bvxi_slab_work *w, int32_t i, int32_t j)
+static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
 {
     bvxi_trace *const t = &w->trace;
     uint32_t arcs[2] = {0, 0};
@@ -147,7 +147,7 @@ static bvx_status fill_cell(bvxi_slab_work *w, int32_t i, int32_t j)
             BVXI_TRY(bvxi_slab_plain_cell(w, arcs, inside, line, &done));
         }
     }
-    if (!done) BVXI_TRY(fill_slab_cell(w, i, j, arcs));
+    if (!done) BVXI_TRY(fill_traced_cell(w, i, j, arcs));
     for (int k = 0; k < 2; k++) w->arc[k] += arcs[k];
     return BVX_OK;
 }
@@ -160,7 +160,7 @@ static bvx_status fill_layer(bvxi_slab_work *w)
         find_active(w, j);
         for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
         for (int32_t k = 0; k < s->words; k++)
-            for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1) BVXI_TRY(fill_cell(w, 64 * k + bvxi_lowest(bits), j));
+            for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1) BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
     }
     return BVX_OK;
 }

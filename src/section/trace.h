@@ -78,6 +78,9 @@ typedef struct bvxi_trace {
 
 /* Room for what most cells need, so that arrays seldom grow. loop: vertices of the longest loop that is likely. */
 bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
+/* Room for a loop of count vertices; for the crossings of the cell. */
+bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
+bvx_status bvxi_trace_open_rows(bvxi_trace *t);
 void bvxi_trace_free(bvxi_trace *t);
 /* Triangles inside the loop of count vertices that vertex and faces hold. */
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
