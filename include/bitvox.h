@@ -626,6 +626,105 @@ BVX_API bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surfac
 BVX_API bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds, uint64_t seed_count,
                                  int32_t connectivity, bvx_grid *filled);
 
+/* ---- Set algebra ------------------------------------------------------------------------------------------- */
+
+/**
+ * Two grids of one lattice and window combined, 64 voxels at a time: a or b; a and b; a without b; one of both.
+ *
+ * result  zeroed, or with words of the caller's, or one of the operands itself (in place; after BVX_CANCELLED its bits are then
+ *         valid but unspecified)
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_LATTICE (their lattices or windows differ, and in which field), BVX_ERR_CAPACITY,
+ * BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. Memory: the result. Cost: O(words).
+ */
+BVX_API bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result);
+BVX_API bvx_status bvx_grid_intersection(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result);
+BVX_API bvx_status bvx_grid_subtract(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result);
+BVX_API bvx_status bvx_grid_xor(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result);
+
+/** The voxels of the window that a grid has not. As bvx_grid_union, also in place. */
+BVX_API bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *grid, bvx_grid *result);
+
+/**
+ * The same set on another lattice: a voxel is set when its centre lies in a set voxel of grid (half-open boxes: a centre on a
+ * face belongs to the upper voxel). Beyond the grid's window all is empty. It samples, so what lies between centres is lost: to
+ * go down by whole numbers take bvx_grid_downsample.
+ *
+ * Along each axis the voxel is floor((centre - origin) / spacing) in doubles, centre = the other origin + (index + 1/2) * its
+ * spacing, so the bits are the same everywhere, and a window holds those of the whole.
+ *
+ * window  of lattice; NULL or all zero: all of it
+ * result  zeroed, or with words of the caller's, not those of grid
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (a lattice or window that is none), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY,
+ * BVX_CANCELLED. Memory: the result, 4 bytes for each voxel of a line along each axis. Cost: O(words of the result + runs).
+ */
+BVX_API bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,
+                                     const bvx_window *window, bvx_grid *result);
+
+/** When a block of voxels becomes a set voxel. */
+enum {
+    BVX_REDUCE_ANY = 0,     /**< one of its voxels is set */
+    BVX_REDUCE_ALL = 1,     /**< all are */
+    BVX_REDUCE_MAJORITY = 2 /**< more than half are */
+};
+
+/**
+ * Blocks of factor[0] x factor[1] x factor[2] voxels become voxels.
+ *
+ * Blocks are counted from the lattice's low corner, so windows whose sides lie between blocks hold the bits of the whole. A block
+ * that the window or the lattice cuts is judged by the voxels that it has in the window. The new lattice has the old origin,
+ * spacing * factor, and dims / factor rounded up; the window has every block that the old one reaches into: along each axis
+ * low / factor to (low + size - 1) / factor, rounded down.
+ *
+ * factor  [Limit: 1..2^25 each, and fewer than 2^32 voxels of the lattice in a block]
+ * rule    BVX_REDUCE_...
+ * result  zeroed, or with words of the caller's, not those of grid
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (too many voxels a block, spacing beyond doubles), BVX_ERR_CAPACITY, BVX_ERR_BUDGET,
+ * BVX_ERR_MEMORY, BVX_CANCELLED. Memory: the result, 64 bytes for each word of a row, and 24 bytes times the binary digits of a
+ * block's voxels for each word of a row and worker. Cost: O(words).
+ */
+BVX_API bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3], int32_t rule,
+                                       bvx_grid *result);
+
+/** The number of set voxels in each of these blocks, x fastest, then y, then z.
+ *  counts  [Size: capacity] NULL: count only
+ *  count   out; the product of the result's sizes of bvx_grid_downsample
+ *  Returns BVX_ERR_CAPACITY (count is then what there are), and as bvx_grid_downsample. */
+BVX_API bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3], uint32_t *counts,
+                                     uint64_t capacity, uint64_t *count);
+
+/** The least window that holds all set voxels, counted from the lattice's corner as bvx_grid_crop takes it; all zero, which
+ *  elsewhere stands for the whole lattice, when none is set.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. Memory: 24 bytes for each of up to 256 parts.
+ *  Cost: O(words). */
+BVX_API bvx_status bvx_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window);
+
+/** The same lattice through another window, which may reach beyond the grid's own, where all is empty.
+ *  window  NULL or all zero: the whole lattice
+ *  result  zeroed, or with words of the caller's, not those of grid
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (a window outside the lattice), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY,
+ *  BVX_CANCELLED. Memory: the result. Cost: O(words of the result). */
+BVX_API bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window, bvx_grid *result);
+
+/** A lattice that has low more empty voxels before its first ones along each axis, and high more behind its last ones. The
+ *  window grows in the same way, and nothing moves in the world: the new origin is origin - low * spacing.
+ *  low, high  [Limit: 0 and more, dims up to 2^25]
+ *  Returns as bvx_grid_crop. */
+BVX_API bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3], const int32_t high[3],
+                                bvx_grid *result);
+
+/** Axes changed: axis a of the result is axis axes[a] of the grid, running backwards where flips[a] is 1. The lattice goes along:
+ *  origin, spacing, dims and window change places; a flip mirrors the lattice's box in itself, so the origin stays.
+ *  axes    0, 1, 2 in any order
+ *  flips   0 or 1 each; NULL: none
+ *  result  zeroed, or with words of the caller's, not those of grid
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. Memory: the result.
+ *  Cost: O(words), rows that turn in blocks of 64 x 64 bits. */
+BVX_API bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3], const int32_t flips[3],
+                                    bvx_grid *result);
+
 /* ---- Surface voxelization ---------------------------------------------------------------------------------- */
 
 /** Which voxels are the surface. */
@@ -1100,6 +1199,62 @@ BVX_API void bvx_field_surface_options_init(bvx_field_surface_options *options, 
  */
 BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
                                              const bvx_field_surface_options *options, bvx_mesh *surface);
+
+/* ---- Booleans of meshes ------------------------------------------------------------------------------------- */
+
+/** What becomes of two bodies. */
+enum {
+    BVX_BOOLEAN_UNION = 0,        /**< what lies in a or in b */
+    BVX_BOOLEAN_INTERSECTION = 1, /**< what lies in both */
+    BVX_BOOLEAN_DIFFERENCE = 2,     /**< what lies in a and not in b */
+    BVX_BOOLEAN_XOR = 3           /**< what lies in one of them alone */
+};
+
+typedef struct bvx_boolean_report {
+    bvx_lattice lattice;              /**< that the result was made on */
+    uint64_t voxels_a, voxels_b;      /**< centres inside each */
+    uint64_t voxels;                  /**< inside the result */
+    bvx_field_surface_report surface; /**< how the vertices were placed, as of bvx_extract_field_surface */
+    uint64_t reserved[4];
+} bvx_boolean_report;
+
+typedef struct bvx_boolean_options {
+    size_t struct_size;
+    const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted to both meshes by resolution with padding of 1 voxel] */
+    int32_t resolution;         /**< voxels along the longest axis of both together [Limit: 1..2^24] [Default: 256] */
+    int32_t fill;               /**< what is inside a mesh: BVX_FILL_PARITY, NONZERO, VOTE or WINDING [Default: BVX_FILL_PARITY] */
+    int32_t interpolation;      /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
+    int32_t face_rule;          /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t sharp;              /**< 1: sharp edges of the meshes, and those where they meet, as in bvx_extract_field_surface [Default: 0] */
+    int32_t position_type;      /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t local_frame;        /**< as for bvx_extract_field_surface [Default: 0] */
+    int32_t reserved0;
+    bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
+    uint64_t reserved[2];
+} bvx_boolean_options;
+
+BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size);
+
+/**
+ * A mesh of what two bodies have together, alone or in common, as exact as the lattice is fine.
+ *
+ * Both are filled on one lattice, exactly; the bits are combined; marching cubes between inside and outside centres makes the mesh.
+ * Each vertex lies where its edge is cut by the mesh whose side changes there, by the closest points of the edge's ends; where
+ * both change, by the one that bounds the result. The guarantee is that of bvx_extract_field_surface, whatever the meshes are:
+ * closed, outwards, edge- and vertex-manifold, no crossing triangles. What is thinner than a voxel may be lost. A result without
+ * any centre inside is an empty mesh and no error.
+ *
+ * operation  BVX_BOOLEAN_...
+ * result     as for bvx_extract_surface
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (a mesh without a triangle of area), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in
+ * bvx_extract_surface), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
+ * Memory: the mesh, five grids, 16 bytes a row, 32 for each centre next to a mesh's part of the surface (sharp: 36, and what sharp
+ * needs there), and by turns what bvx_voxelize_solid needs and what bvx_measure_field needs a triangle. Cost: two solids, the closest points of these centres,
+ * the surface; that of the closest points' search trees is O(triangles log triangles).
+ */
+BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,
+                               const bvx_boolean_options *options, bvx_mesh *result);
 
 /* ---- Levels of detail -------------------------------------------------------------------------------------- */
 

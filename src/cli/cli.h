@@ -33,6 +33,7 @@ enum {
     CLI_SECTIONS = 1 << 12,
     CLI_SLICE = 1 << 13,
     CLI_REPAIR = 1 << 9,
+    CLI_BOOLEAN = 1 << 10,
     CLI_ALL = 0x7fffffff
 };
 
@@ -117,6 +118,7 @@ typedef struct cli_options {
     int32_t sign;               /* BVX_SIGN_... */
     int32_t interpolation;      /* BVX_EDGE_... */
     int32_t sharp, measure;
+    int32_t resample;           /* boolean: grids of other lattices are sampled */
     double shell;               /* thickness in voxels */
     int64_t least_part, least_cavity;
     double half_width;          /* of a field's band; 0: no end */
@@ -385,6 +387,11 @@ void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
 /* Say what a format leaves out of a window's grid. */
 void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
 
+/* ---- mesh_output.c ---- */
+
+/* Write the mesh as run->options.output, which is open, and keep it. */
+int cli_write_mesh(cli_run *run, const bvx_mesh *mesh);
+
 /* ---- field_output.c: voxelize --mode field ---- */
 
 /* Refuse options and names that the mode has no use for; choose the padding. */
@@ -498,7 +505,7 @@ const cli_command *cli_command_at(int i);
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
 extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill,
-    cli_sections, cli_slice, cli_repair;
+    cli_sections, cli_slice, cli_repair, cli_boolean;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);

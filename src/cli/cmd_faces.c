@@ -84,21 +84,6 @@ static int make_faces(cli_run *run, const cli_input *in, bvx_mesh *mesh)
     return CLI_DONE;
 }
 
-static int write_faces(cli_run *run, const bvx_mesh *mesh)
-{
-    const char *const out = run->options.output;
-    bvx_buffer file = {0};
-    bvx_status status;
-    int result;
-    cli_stage_begin(run, "write");
-    status = bvx_write_mesh(run->context, mesh, bvx_format_of_name(out), &file);
-    result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, out);
-    if (result == CLI_DONE) result = cli_keep_outputs(run);
-    cli_stage_end(run);
-    bvx_buffer_free(run->context, &file);
-    return result;
-}
-
 static void say_faces(cli_run *run, const cli_input *in)
 {
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
@@ -118,7 +103,7 @@ static int run_faces(cli_run *run)
     if (status == CLI_DONE) status = cli_read_input(run, run->options.input[0], &in);
     if (status == CLI_DONE && in.kind == CLI_MESH) status = fill_input(run, &in);
     if (status == CLI_DONE) status = make_faces(run, &in, &mesh);
-    if (status == CLI_DONE) status = write_faces(run, &mesh);
+    if (status == CLI_DONE) status = cli_write_mesh(run, &mesh);
     if (status == CLI_DONE) say_faces(run, &in);
     bvx_mesh_free(run->context, &mesh);
     cli_free_input(run, &in);

@@ -36,6 +36,7 @@ const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "reg
 const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", "field", NULL};
 const char *const cli_sign_names[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none", NULL};
 static const char *const repair_sign_names[] = {"auto", "exact", "", "", "winding", "vote", NULL};
+static const char *const boolean_fill_names[] = {"parity", "nonzero", "vote", "", "", "", "winding", NULL};
 static const char *const edge_names[] = {"vector", "scalar", "middle", "paper", "tangent", NULL};
 static const char *const value_type_names[] = {"f32", "f64", NULL};
 static const char *const axis_names[] = {"x", "y", "z", NULL};
@@ -49,13 +50,15 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
 
 static const cli_argument arguments[] = {
-    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR, output,
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN, output,
               "where the result goes; the ending tells the format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis [8 x the finest level, less where memory is short]"),
     LIST("--resolution", "N|X,Y,Z", CLI_VOXELIZE | CLI_FACES, resolution, 1, LARGEST_SIDE, 1, 3,
          "voxels along the longest axis, or along each axis [256]"),
-    BETWEEN("--spacing", "S", CLI_VOXELIZE | CLI_FACES, spacing, 0, 1e300, "edge of a voxel in the mesh's unit, in place of --resolution"),
+    LIST("--resolution", "N", CLI_BOOLEAN, resolution, 1, 16777216.0, 1, 1,
+         "voxels along the longest axis of both meshes together [256]"),
+    BETWEEN("--spacing", "S", CLI_VOXELIZE | CLI_FACES | CLI_BOOLEAN, spacing, 0, 1e300, "edge of a voxel in the mesh's unit, in place of --resolution"),
     TRIPLE("--origin", "X,Y,Z", CLI_VOXELIZE | CLI_FACES, origin, "low corner of voxel 0,0,0, with --spacing [the mesh's low corner]"),
     LIST("--window", "A,B,C,D,E,F", CLI_VOXELIZE, window, 0, LARGEST_SIDE, 6, 6,
          "only voxels A..D-1, B..E-1, C..F-1 of the lattice"),
@@ -95,6 +98,10 @@ static const cli_argument arguments[] = {
            "winding: more than half a turn, for holes in overlapping parts [parity]"),
     WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, close_gaps, 0, 65535,
           "with --fill flood: gaps of up to N voxels hold the flood [0]"),
+    CHOICE("--fill", "RULE", CLI_BOOLEAN, fill, boolean_fill_names, BVX_FILL_PARITY,
+           "what is inside a mesh. parity: nested shells are cavities; nonzero:\noverlapping and inverted shells are one solid; vote, winding: for\n"
+           "meshes with holes [parity]"),
+    FLAG("--resample", CLI_BOOLEAN, resample, "bring a grid of another lattice to that of A, by its values at the\nvoxels' centres"),
     FLAG("--add-shell", CLI_VOXELIZE | CLI_FILL, add_shell, "set all voxels of the surface too"),
     FLAG("--check-edges", CLI_VOXELIZE, check_edges, "count edges with one triangle, and those between flipped ones"),
     FLAG("--compare-fills", CLI_VOXELIZE, compare_fills, "a table of what each rule would set, and where they differ"),
@@ -135,9 +142,9 @@ static const cli_argument arguments[] = {
          "most triangles: the largest resolution is taken that keeps to them,\nup to --resolution [all]"),
     CHOICE("--sign", "RULE", CLI_REPAIR, sign, repair_sign_names, BVX_SIGN_AUTO,
            "winding: holes and overlaps; vote: holes and flipped triangles;\nexact: nested shells are cavities; auto: vote where triangles are\nflipped, else winding [auto]"),
-    CHOICE("--interpolation", "HOW", CLI_REPAIR, interpolation, edge_names, BVX_EDGE_VECTOR,
+    CHOICE("--interpolation", "HOW", CLI_REPAIR | CLI_BOOLEAN, interpolation, edge_names, BVX_EDGE_VECTOR,
            "tangent: from the planes at the closest points; vector: from the line\nthrough them; scalar: from the signed distance; middle; paper: vector\nwith the paper's clamps [tangent]"),
-    FLAG("--sharp", CLI_REPAIR, sharp, "put vertices on sharp edges and corners"),
+    FLAG("--sharp", CLI_REPAIR | CLI_BOOLEAN, sharp, "put vertices on sharp edges and corners"),
     FROM_TO("--shell", "T", CLI_REPAIR, shell, 0, 1e6, "thickness of shells in voxels, from 1.5; 0: none are made [2]"),
     LONG("--least-part", "N", CLI_REPAIR, least_part, 0, 1e15, "parts of fewer voxels are dropped [0]"),
     LONG("--least-cavity", "N", CLI_REPAIR, least_cavity, 0, 1e15, "cavities of fewer voxels are filled [0]"),

@@ -9,6 +9,7 @@
 #     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
 #     BENCH_ONLY=voxels     surfaces of voxels, fills and refinement alone; their tables are then printed, without a report
 #     BENCH_ONLY=field      distance fields, repair and its paper's experiment alone
+#     BENCH_ONLY=grids      set algebra and booleans of meshes alone
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -75,7 +76,20 @@ measure_field() {
     "$BENCHES/bench_step" "$MESHES" >"$out/step.md" && cat "$out/step.md"
 }
 
+measure_grids() {
+    rm -f "$out"/grids* "$out"/peers_grids*
+    echo "== grids: set algebra, booleans of meshes"
+    "$BENCHES/bench_grids" "$MESHES" "$out" 9 >"$out/grids.md" && cat "$out/grids.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_grids.py "$out" "$BENCHES/bench_grids" "$MESHES"; fi
+}
+
 find_python
+if [ "$BENCH_ONLY" = grids ]; then
+    measure_grids
+    cat "$out/grids.jsonl" "$out/peers_grids.jsonl" 2>/dev/null
+    load >>"$out/load"
+    exit 0
+fi
 if [ "$BENCH_ONLY" = field ]; then
     measure_field
     cat "$out/field.jsonl" "$out/peers_field.jsonl" 2>/dev/null
@@ -112,6 +126,7 @@ if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$o
 
 measure_voxels
 measure_field
+measure_grids
 
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
