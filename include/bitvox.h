@@ -332,6 +332,16 @@ typedef struct bvx_certificate {
 BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
                                   bvx_certificate *certificate);
 
+/** Normals of length 1, three floats each, outwards where the mesh is oriented so. Either array may be NULL.
+ *  vertex_normals  [Size: vertex_count * 3] the sum of the facets' normals, each counted by its area
+ *  facet_normals   [Size: triangle_count * 3] averaged 0: of each facet itself; 1: the mean of its three vertices' normals
+ *  0, 0, 1 where there is none (a vertex without facets, a facet without area).
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (index or coordinate, with its number),
+ *  BVX_ERR_MEMORY, BVX_ERR_BUDGET. Memory: 24 bytes a vertex. Cost: O(vertices + triangles).
+ *  Source: Gouraud. Continuous Shading of Curved Surfaces. 1971 */
+BVX_API bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged, float *vertex_normals,
+                                    float *facet_normals);
+
 /** Distances from random points on one mesh to the nearest points of another. */
 typedef struct bvx_distance_report {
     uint64_t samples;      /**< points taken on each side */

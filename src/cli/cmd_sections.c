@@ -28,6 +28,8 @@ static int check_sections_options(cli_run *run)
         return cli_usage(run, "%s: the name ends in no contour format that is read (.csl .csv, also with .gz)", cli_input_name(o->input[0]));
     if (cli_kind_of_format(bvx_format_of_name(o->output)) != CLI_MESH || cli_is_packed(o->output))
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", o->output);
+    if (cli_given(run, "--close-gap") && bvx_format_of_name(o->input[0]) != BVX_FORMAT_CSV)
+        return cli_usage(run, "--close-gap is for .csv; loops of .csl are closed by their format");
     if (cli_given(run, "--grid") && cli_given(run, "--spacing")) return cli_usage(run, "--grid and --spacing contradict each other");
     if ((o->block_model != NULL) != (o->block.given != 0)) return cli_usage(run, "--block-model and --block go together");
     if (o->block_model != NULL) {
@@ -47,9 +49,12 @@ static int read_contours(cli_run *run, bvx_sections *sections)
     int status = cli_read_file(run, path, &b);
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) {
+        bvx_read_sections_options o;
         bvx_status read;
+        bvx_read_sections_options_init(&o, sizeof o);
+        o.close_gap = run->options.close_gap;
         cli_stage_begin(run, "parse");
-        read = bvx_read_sections(run->context, b.bytes, b.size, bvx_format_of_name(path), NULL, sections);
+        read = bvx_read_sections(run->context, b.bytes, b.size, bvx_format_of_name(path), &o, sections);
         cli_stage_end(run);
         if (read != BVX_OK) status = cli_fail_status(run, read, path);
     }

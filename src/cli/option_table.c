@@ -119,6 +119,8 @@ static const cli_argument arguments[] = {
           "the level of an octree that a grid is made of [the last]; with it\na .bvx file is written as a grid, not as an octree"),
     SIZE("--grid", "NxM", CLI_SECTIONS, size, 8192, "cells over the sections [auto: sides of twice the mean length of the\ncontours' segments]"),
     BETWEEN("--spacing", "S", CLI_SECTIONS, spacing, 0, 1e300, "side of a cell in the contours' unit, in place of --grid"),
+    FROM_TO("--close-gap", "G", CLI_SECTIONS, close_gap, 0, 1e300,
+            "of .csv: loops whose ends lie further apart than G are refused as open\npolylines; 0 closes all of them by a straight side [0]"),
     WHOLE("--layers", "N", CLI_SECTIONS, layers, 1, 64, "layers of cells from section to section [1]"),
     CHOICE("--caps", "HOW", CLI_SECTIONS, caps, caps_names, BVX_CAPS_FLAT,
            "the ends: flat on the first and last section; taper to a ridge half a\nspacing beyond; open [flat]"),
