@@ -113,6 +113,33 @@ double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hi
     return sqrt(best);
 }
 
+/* From the top; boxes as near as the nearest segment are looked into too, since one with a lower number may be there. */
+double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment)
+{
+    uint32_t stack[DISTANCE_STACK], top = 0;
+    double best = 1e300;
+    *segment = BVXI_NONE;
+    stack[top++] = 1;
+    while (top > 0) {
+        uint32_t const node = stack[--top];
+        if (box_square(p->box[node], u, v) > best) continue;
+        if (node < p->leaf_count) {
+            int const low = box_square(p->box[2 * node], u, v) <= box_square(p->box[2 * node + 1], u, v);
+            stack[top++] = low ? 2 * node + 1 : 2 * node;
+            stack[top++] = low ? 2 * node : 2 * node + 1;
+            continue;
+        }
+        for (uint32_t i = (node - p->leaf_count) * DISTANCE_GROUP, n = 0; n < DISTANCE_GROUP && i < p->point_count; n++, i++) {
+            double const d = segment_square(p, i, u, v);
+            if (d < best || (d == best && i < *segment)) {
+                best = d;
+                *segment = i;
+            }
+        }
+    }
+    return sqrt(best);
+}
+
 /* An odd number of segments to the right; the place is snapped to odd numbers as the contours are, so one on a contour falls on
  * some side. */
 int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, double v)

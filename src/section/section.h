@@ -36,6 +36,7 @@ typedef struct bvxi_contour {
     uint32_t first, count; /* points */
     uint32_t given;        /* number in the stack given */
     int32_t hole;
+    double end[2];         /* a part that ends below, above: how deep its inside is at most; else 0 */
 } bvxi_contour;
 
 /* How a plane meets the grid's edges. */
@@ -64,6 +65,7 @@ typedef struct bvxi_plane {
     uint32_t leaf_count;     /* power of two */
     double area;
     int lines;               /* of a cap: points are vertices, and their segments cross nothing */
+    uint8_t ends[2];         /* some part ends below, above */
 } bvxi_plane;
 
 /* Vertices and triangles made so far. */
@@ -134,8 +136,16 @@ double bvxi_plane_area(const bvxi_stack *stack, const bvxi_plane *plane);
 bvx_status bvxi_plane_tree(bvxi_stack *stack, bvxi_plane *plane);
 /* Distance from a place to the nearest contour; *hint is a segment thought to be near, and becomes the nearest found. */
 double bvxi_plane_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint);
+/* The same distance, and the segment of least number among those that lie so near. */
+double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment);
 /* 1 when the snapped place is inside. */
 int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *plane, double u, double v);
+
+/* ---- ends.c: parts that end before the next section ---- */
+
+bvx_status bvxi_stack_ends(bvxi_stack *stack);
+/* The number of the contour that a point is one of. */
+uint32_t bvxi_contour_of(const bvxi_plane *plane, uint32_t point);
 
 /* ---- fill_loop.c ---- */
 
@@ -173,6 +183,8 @@ void bvxi_slabs_free(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 bvx_status bvxi_cap_fill(bvxi_stack *stack, const bvxi_plane *plane, int32_t side);
 /* Twice the area of a loop in fixed point, about; less than 0 for a hole. */
 double bvxi_cap_area(const bvxi_plane *plane, const bvxi_contour *contour);
+/* The smallest outer loop round each hole, or BVXI_NONE; that of outer loops is BVXI_NONE. */
+void bvxi_plane_owners(const bvxi_plane *plane, uint32_t *owner);
 /* The same for the region within lines between vertices. */
 bvx_status bvxi_cap_fill_edges(bvxi_stack *stack, const uint32_t (*edge)[2], uint32_t count, int32_t side);
 

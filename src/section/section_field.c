@@ -1,8 +1,8 @@
 /* section_field.c - signed distances where the surface asks for them, and its crossings of the lines between two planes.
  *
  * A line over a grid point (or a corner of a subdivided cell) is crossed where the point is inside on one plane and outside on
- * the other: at the share of both distances, kept a little off the planes. A plane without loops is as deep outside
- * everywhere as the other plane's widest place is inside: the body narrows to a ridge there. */
+ * the other: at the share of both distances, kept a little off the planes. Over a part that ends (ends.c) the other plane counts as so
+ * deep outside as the part's widest place is inside: the body narrows to a ridge there. */
 #include "section/section_field.h"
 
 #define FIELD_MARGIN (1.0 / 1024.0)
@@ -104,24 +104,47 @@ static int is_nothing(const bvxi_field *f, int k)
     return f->slab->plane[k] == &f->s->nothing;
 }
 
+/* Where the part of plane k that is nearest to a place ends before the other plane: its depth, and the distance to it; else 0. */
+static double ending_part(bvxi_field *f, int k, double u, double v, double *distance)
+{
+    const bvxi_plane *const p = f->slab->plane[k];
+    uint32_t segment;
+    if (!p->ends[1 - k]) return 0.0;
+    f->s->report.distances++;
+    *distance = bvxi_plane_nearest(p, u, v, &segment);
+    return p->contour[bvxi_contour_of(p, segment)].end[1 - k];
+}
+
+/* How deep outside on plane k the inside of a part is that ends, so that its deepest places end half way between two sections: a plane
+ * without loops lies there already. */
+static double ending_depth(const bvxi_field *f, int k, double off, double depth)
+{
+    return (is_nothing(f, k) ? depth : 2.0 * depth) - (off < depth ? off : depth);
+}
+
+/* The value on plane k at a place outside, which lies d from its contours, if it has some. */
+static double outside_value(bvxi_field *f, int k, double u, double v, double d)
+{
+    double off, mine, depth = ending_part(f, 1 - k, u, v, &off);
+    if (!(depth > 0.0)) return -d;
+    if (bvxi_plane_inside(f->s, f->slab->plane[1 - k], u, v)) return -ending_depth(f, k, off, depth);
+    if (!is_nothing(f, k) && d < off && ending_part(f, k, u, v, &mine) > 0.0) return -d; /* a part that ends the other way is nearer */
+    return -off - (is_nothing(f, k) ? depth : 2.0 * depth);
+}
+
 double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside)
 {
-    double d;
-    if (is_nothing(f, k)) {
-        int const other = bvxi_grid_bit(f->s, f->slab->plane[1 - k], at[0] >> f->s->fine, at[1] >> f->s->fine);
-        return bvxi_field_corner(f, at, 1 - k, other) - f->depth;
-    }
-    d = corner_distance(f, at, k);
-    return inside ? d : -d;
+    double const d = is_nothing(f, k) ? 0.0 : corner_distance(f, at, k);
+    return inside ? d : outside_value(f, k, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]), d);
 }
 
 static double plane_at(bvxi_field *f, int k, double u, double v)
 {
     double d;
-    if (is_nothing(f, k)) return plane_at(f, 1 - k, u, v) - f->depth;
+    if (is_nothing(f, k)) return outside_value(f, k, u, v, 0.0);
     f->s->report.distances++;
     d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
-    return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : -d;
+    return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : outside_value(f, k, u, v, d);
 }
 
 double bvxi_field_at(bvxi_field *f, double u, double v, double t)
@@ -132,14 +155,14 @@ double bvxi_field_at(bvxi_field *f, double u, double v, double t)
 
 /* ---- crossings of lines ---- */
 
-/* Where the line over a point is crossed, as a share of the way, and between which levels. */
-static double line_share(bvxi_field *f, const int32_t at[2], uint8_t *layer)
+/* Where the line over a point is crossed, as a share of the way, and between which levels. from: the plane that it is inside on. */
+static double line_share(bvxi_field *f, const int32_t at[2], int from, uint8_t *layer)
 {
-    double d[2], t;
+    double d[2], t, off, depth;
     int32_t l = 0;
-    for (int k = 0; k < 2; k++) d[k] = is_nothing(f, k) ? 0.0 : corner_distance(f, at, k);
-    for (int k = 0; k < 2; k++)
-        if (is_nothing(f, k)) d[k] = f->depth - d[1 - k];
+    depth = ending_part(f, from, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]), &off);
+    d[from] = depth > 0.0 ? off : corner_distance(f, at, from);
+    d[1 - from] = depth > 0.0 ? ending_depth(f, 1 - from, off, depth) : is_nothing(f, 1 - from) ? 0.0 : corner_distance(f, at, 1 - from);
     t = d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     if (f->layers > 1) {
         t *= f->layers;
@@ -152,10 +175,10 @@ static double line_share(bvxi_field *f, const int32_t at[2], uint8_t *layer)
     return (l + t) / f->layers;
 }
 
-static bvx_status cross_over(bvxi_field *f, const int32_t at[2], uint8_t *layer, uint32_t *vertex)
+static bvx_status cross_over(bvxi_field *f, const int32_t at[2], int from, uint8_t *layer, uint32_t *vertex)
 {
     const double *const w = f->slab->w;
-    double const t = line_share(f, at, layer);
+    double const t = line_share(f, at, from, layer);
     double place[3];
     bvxi_section_place(f->s, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]), w[0] + t * (w[1] - w[0]), place);
     return bvxi_section_add_vertex(f->s, place, vertex);
@@ -186,16 +209,9 @@ static bvx_status each_crossed(bvxi_field *f, bvx_status (*visit)(bvxi_field *f,
 static bvx_status cross_grid_point(bvxi_field *f, const int32_t at[2], size_t number)
 {
     uint8_t layer;
-    BVXI_TRY(cross_over(f, at, &layer, &f->vertex[number]));
+    int const from = !bvxi_grid_bit(f->s, f->slab->plane[0], at[0] >> f->s->fine, at[1] >> f->s->fine);
+    BVXI_TRY(cross_over(f, at, from, &layer, &f->vertex[number]));
     if (f->layers > 1) f->layer[number] = layer;
-    return BVX_OK;
-}
-
-static bvx_status deepen(bvxi_field *f, const int32_t at[2], size_t number)
-{
-    double const d = corner_distance(f, at, is_nothing(f, 0));
-    (void)number;
-    if (d > f->depth) f->depth = d;
     return BVX_OK;
 }
 
@@ -204,16 +220,10 @@ static bvx_status cross_lines(bvxi_field *f)
     bvxi_slab *const slab = f->slab;
     size_t const words = (size_t)(f->s->size[1] + 1) * (size_t)f->s->words;
     for (size_t i = 0; i < words; i++) f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
-    f->depth = 0.0;
-    if (is_nothing(f, 0) || is_nothing(f, 1)) {
-        BVXI_TRY(each_crossed(f, deepen));
-        for (uint32_t i = 0; i < slab->hanging_count; i++)
-            if (slab->hanging[i].inside[0] != slab->hanging[i].inside[1]) BVXI_TRY(deepen(f, slab->hanging[i].at, 0));
-    }
     BVXI_TRY(each_crossed(f, cross_grid_point));
     for (uint32_t i = 0; i < slab->hanging_count; i++) {
         bvxi_hanging *const h = &slab->hanging[i];
-        if (h->inside[0] != h->inside[1]) BVXI_TRY(cross_over(f, h->at, &h->layer, &h->vertex));
+        if (h->inside[0] != h->inside[1]) BVXI_TRY(cross_over(f, h->at, !h->inside[0], &h->layer, &h->vertex));
     }
     return BVX_OK;
 }

@@ -25,7 +25,6 @@ typedef struct bvxi_field {
     bvxi_stack *s;
     bvxi_slab *slab;
     int32_t layers;
-    double depth;            /* of a plane without loops: what its field lies below the other plane's */
     bvxi_plane_field plane[2];
     uint32_t *vertex;        /* over each grid point: where the surface crosses the line to the plane above */
     uint8_t *layer;          /* and between which levels; layers > 1 */

@@ -84,6 +84,7 @@ static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
     bvxi_contour *const c = &p->contour[p->contour_count++];
     c->first = p->point_count;
     c->given = number;
+    c->end[0] = c->end[1] = 0.0;
     for (uint64_t i = 0; i < l->point_count; i++) {
         uint64_t const at = l->first_point + i, before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
         if (l->point_count > 1 && same_place(s->given->points + 3 * at, s->given->points + 3 * before)) {
