@@ -1203,8 +1203,9 @@ BVX_API void bvx_sections_free(bvx_context *context, bvx_sections *sections);
 /** How a body ends at its first and last section. */
 enum {
     BVX_CAPS_FLAT = 0,  /**< on the section's plane */
-    BVX_CAPS_TAPER = 1, /**< it runs to a ridge half a spacing beyond: at a height of t half spacings it is the section less all
-                             that lies within t times its half width of the contour */
+    BVX_CAPS_TAPER = 1, /**< each part (a loop with the holes in it) runs to a ridge half a spacing beyond: at a height of t half
+                             spacings it is the part less all that lies within t times its half width of its contour; also the
+                             parts of other sections that have nothing in common with the next one */
     BVX_CAPS_OPEN = 2   /**< not at all: the mesh has boundary edges there */
 };
 
@@ -1244,7 +1245,9 @@ typedef struct bvx_sections_report {
                                    sections count as cones, A h / 3 [Units: world^3] */
     uint64_t located;         /**< places in unkept */
     double unkept[16][3];     /**< the first BVX_SECTIONS_LOCATED of them [Units: world] */
-    uint64_t reserved[8];
+    uint64_t crossed_cells;   /**< cells whose triangles cross each other, looked for in those of up to 64: some where edges are unkept,
+                                   hardly any else. In the paper's way triangles of neighbouring cells cross too, uncounted */
+    uint64_t reserved[7];
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {
@@ -1272,8 +1275,10 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  * both sides of the plane use the same ones. Where an edge is crossed more than once, or a loop lies inside one cell, cells are
  * subdivided up to depth times; what is still so is counted and located, and the surface is closed there too. Between
  * planes the field is the linear blend of both sections' signed Euclidean distances, asked for only where the surface needs it.
- * On a face with four crossings the field at the point where the lines joining opposite crossings meet decides. The surface is
- * oriented, edge- and vertex-manifold, and closed but for open caps.
+ * On a face with four crossings the field at the point where the lines joining opposite crossings meet decides. A part ends half way
+ * to a section without loops; flat or open, one that has nothing in common with the next section ends where the blend says. Triangles
+ * of a cell are chosen so that they do not cross, where that is found. The surface is oriented, edge- and vertex-manifold, and closed
+ * but for open caps.
  *
  * Points off their plane keep their coordinates; the surface takes them as lying on it. [Limit: 1/1000 of the contours' extent and
  * a quarter of the way to the next plane]

@@ -214,9 +214,11 @@ static void say_body(cli_run *run, const sections_job *job)
     cli_say(run, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n", r->unkept_edges, r->unkept_loops, r->unkept_points);
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_say(run, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
+    if (r->crossed_cells != 0) cli_say(run, "  crossed     in %" PRIu64 " cells triangles cross each other\n", r->crossed_cells);
     cli_say(run, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances, r->samples,
             r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
-    cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " bodies: %s\n", c->triangles, c->vertices, c->components, verdict(c));
+    cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n", c->triangles, c->vertices, c->components,
+            c->components == 1 ? "" : "s", verdict(c));
     cli_say(run, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
     if (run->options.block_model != NULL) cli_say(run, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
     cli_say(run, "\n  time        %.1f ms\n", job->seconds * 1e3);
@@ -245,6 +247,7 @@ static void report_body(cli_run *run, const sections_job *job)
     cli_json_count(t, "unkept_edges", r->unkept_edges);
     cli_json_count(t, "unkept_loops", r->unkept_loops);
     cli_json_count(t, "unkept_points", r->unkept_points);
+    cli_json_count(t, "crossed_cells", r->crossed_cells);
     cli_text_add(t, ", \"unkept\": [");
     for (uint64_t i = 0; i < r->located; i++) {
         cli_text_add(t, i == 0 ? "[" : ", [");

@@ -123,7 +123,7 @@ static const cli_argument arguments[] = {
             "of .csv: loops whose ends lie further apart than G are refused as open\npolylines; 0 closes all of them by a straight side [0]"),
     WHOLE("--layers", "N", CLI_SECTIONS, layers, 1, 64, "layers of cells from section to section [1]"),
     CHOICE("--caps", "HOW", CLI_SECTIONS, caps, caps_names, BVX_CAPS_FLAT,
-           "the ends: flat on the first and last section; taper to a ridge half a\nspacing beyond; open [flat]"),
+           "the ends: flat on the first and last section; taper: each part to a\nridge half a spacing beyond, also those that end in between; open [flat]"),
     CHOICE("--crossings", "HOW", CLI_SECTIONS, crossings, crossings_names, BVX_CROSSINGS_EXACT,
            "on the sections' planes: exact, by the contours themselves; paper, by\ninterpolated distances with the contours' points put in; classic,\nmarching cubes [exact]"),
     WHOLE("--subdivide", "N", CLI_SECTIONS, subdivide, 0, 8, "halve cells that a contour crosses twice on a side, N times at most [5]"),

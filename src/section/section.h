@@ -156,12 +156,14 @@ typedef struct bvxi_loop_fill {
     const int32_t *low;      /* of the cell, in fixed point */
     int32_t size;
     double low_w, high_w;
+    int cone;                /* 1: round a vertex at the loop's middle in any case, 2: half way from there to the cell's */
+    int strip;               /* out: it became a strip from below to above */
     const double **at;       /* scratch: count each */
     uint32_t *next, *before;
 } bvxi_loop_fill;
 
 /* Triangles inside a loop whose inner edges lie on no cell face; where there are none, round a vertex inside the cell. */
-bvx_status bvxi_fill_loop(bvxi_stack *stack, const bvxi_loop_fill *loop);
+bvx_status bvxi_fill_loop(bvxi_stack *stack, bvxi_loop_fill *loop);
 
 /* ---- section_mesh.c ---- */
 

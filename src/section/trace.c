@@ -9,6 +9,8 @@
 
 #include "lattice/wide.h"
 
+enum { TRACE_CHOICES = 4, TRACE_FEW = 4 }; /* loops whose filling is chosen; triangles of one loop that are not looked at */
+
 /* ---- arrays ---- */
 
 bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point)
@@ -309,7 +311,16 @@ static bvx_status fill_traced(bvxi_trace *t, uint32_t count)
     l.size = t->size;
     l.low_w = t->low_w;
     l.high_w = t->high_w;
-    return bvxi_fill_loop(t->s, &l);
+    l.cone = 0;
+    if (t->loop_count < TRACE_CHOICES) { /* digits to the base of three */
+        uint32_t digits = t->choice;
+        for (uint32_t i = 0; i < t->loop_count; i++) digits /= 3;
+        l.cone = (int)(digits % 3);
+    }
+    t->loop_count++;
+    BVXI_TRY(bvxi_fill_loop(t->s, &l));
+    t->strips += (uint32_t)l.strip;
+    return BVX_OK;
 }
 
 /* The lines of a body's first and last plane are what a flat cap ends at. from: the loop's place behind the first vertex. */
@@ -366,6 +377,50 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
 
 /* ---- the cell ---- */
 
+static bvx_status fill_loops(bvxi_trace *t)
+{
+    t->loop_count = t->strips = 0;
+    for (uint32_t i = 0; i < t->point_count; i++) t->point[i].seen = 0;
+    for (uint32_t i = 0; i < t->point_count; i++)
+        if (!t->point[i].seen) BVXI_TRY(follow_loop(t, i));
+    for (int k = 0; k < 2; k++) {
+        if (t->level[k].kind != BVXI_PLANE_EXACT) continue;
+        for (uint32_t i = 0; i < t->arc_count[k]; i++)
+            if (t->arc[k][i].from == BVXI_NONE) BVXI_TRY(fill_inner_loop(t, k, &t->arc[k][i]));
+    }
+    return BVX_OK;
+}
+
+/* Fill the loops; where triangles cross, fill them again, some of them round a vertex inside the cell: every choice for the first loops
+ * is tried. In the paper's way vertices are made while loops are followed, and its triangles stay as they are. */
+static bvx_status fill_cell(bvxi_trace *t)
+{
+    bvxi_stack *const s = t->s;
+    uint64_t const triangles = s->mesh.triangle_count, vertices = s->mesh.vertex_count, inner = s->report.inner_vertices;
+    uint32_t choices = 1;
+    t->choice = 0;
+    BVXI_TRY(fill_loops(t));
+    if (t->loop_count == 1 && (t->strips == 1 || s->mesh.triangle_count - triangles <= TRACE_FEW)) return BVX_OK; /* as good as never */
+    if (!bvxi_cell_crosses(s, triangles)) return BVX_OK;
+    if (s->options.crossings != BVX_CROSSINGS_PAPER)
+        for (uint32_t i = 0; i < t->loop_count && i < TRACE_CHOICES; i++) choices *= 3;
+    for (uint32_t i = 1; i < choices; i++) {
+        s->mesh.triangle_count = triangles;
+        s->mesh.vertex_count = vertices;
+        s->report.inner_vertices = inner;
+        t->choice = i;
+        BVXI_TRY(fill_loops(t));
+        if (!bvxi_cell_crosses(s, triangles)) return BVX_OK;
+    }
+    s->report.crossed_cells++;
+    if (choices == 1) return BVX_OK;
+    s->mesh.triangle_count = triangles;
+    s->mesh.vertex_count = vertices;
+    s->report.inner_vertices = inner;
+    t->choice = 0;
+    return fill_loops(t);
+}
+
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
@@ -378,12 +433,5 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
     link_arcs(t);
     for (int k = 0; k < 2; k++)
         if (t->level[k].kind == BVXI_PLANE_FIELD) BVXI_TRY(bvxi_trace_face(t, k));
-    for (uint32_t i = 0; i < t->point_count; i++)
-        if (!t->point[i].seen) BVXI_TRY(follow_loop(t, i));
-    for (int k = 0; k < 2; k++) {
-        if (t->level[k].kind != BVXI_PLANE_EXACT) continue;
-        for (uint32_t i = 0; i < t->arc_count[k]; i++)
-            if (t->arc[k][i].from == BVXI_NONE) BVXI_TRY(fill_inner_loop(t, k, &t->arc[k][i]));
-    }
-    return BVX_OK;
+    return fill_cell(t);
 }

@@ -71,6 +71,8 @@ typedef struct bvxi_trace {
     } *insert;                  /* contour points of one line */
     uint32_t insert_room;
     /* a loop */
+    uint32_t loop_count, strips; /* so far in the cell */
+    uint32_t choice;            /* how each is filled */
     uint32_t loop_room;
     uint32_t *vertex;
     uint8_t *faces;
@@ -78,6 +80,8 @@ typedef struct bvxi_trace {
     uint32_t *next, *before;
 } bvxi_trace;
 
+/* uncross.c: 1 when triangles from a number on cross. */
+int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
 void bvxi_trace_free(bvxi_trace *t);
 /* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t);

@@ -266,6 +266,7 @@ static void solid_cases(golden *g)
 
 #include "voxel_cases.h"
 #include "field_cases.h"
+#include "section_cases.h"
 
 static const struct {
     const char *file;
@@ -279,6 +280,7 @@ static const struct {
     {"octree", octree_cases},
     {"field", field_cases},
     {"repair", repair_cases},
+    {"sections", section_cases},
 };
 
 /* ---- Files ---- */
