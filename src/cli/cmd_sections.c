@@ -24,11 +24,12 @@ static int is_contour_format(int32_t format)
 static int check_sections_options(cli_run *run)
 {
     const cli_options *const o = &run->options;
-    if (!is_contour_format(bvx_format_of_name(o->input[0])))
+    int32_t const format = cli_input_format(run, o->input[0]);
+    if (!is_contour_format(format))
         return cli_usage(run, "%s: the name ends in no contour format that is read (.csl .csv, also with .gz)", cli_input_name(o->input[0]));
     if (cli_kind_of_format(bvx_format_of_name(o->output)) != CLI_MESH || cli_is_packed(o->output))
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", o->output);
-    if (cli_given(run, "--close-gap") && bvx_format_of_name(o->input[0]) != BVX_FORMAT_CSV)
+    if (cli_given(run, "--close-gap") && format != BVX_FORMAT_CSV)
         return cli_usage(run, "--close-gap is for .csv; loops of .csl are closed by their format");
     if (cli_given(run, "--grid") && cli_given(run, "--spacing")) return cli_usage(run, "--grid and --spacing contradict each other");
     if ((o->block_model != NULL) != (o->block.given != 0)) return cli_usage(run, "--block-model and --block go together");
@@ -54,9 +55,9 @@ static int read_contours(cli_run *run, bvx_sections *sections)
         bvx_read_sections_options_init(&o, sizeof o);
         o.close_gap = run->options.close_gap;
         cli_stage_begin(run, "parse");
-        read = bvx_read_sections(run->context, b.bytes, b.size, bvx_format_of_name(path), &o, sections);
+        read = bvx_read_sections(run->context, b.bytes, b.size, cli_input_format(run, path), &o, sections);
         cli_stage_end(run);
-        if (read != BVX_OK) status = cli_fail_status(run, read, path);
+        if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
     }
     free(b.bytes);
     return status;
@@ -82,7 +83,7 @@ static int build_body(cli_run *run, sections_job *job)
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
     job->seconds = cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, o->input[0]);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     bvx_mesh_view_of(&job->mesh, &view);
     cli_stage_begin(run, "check");
     status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
@@ -205,7 +206,7 @@ static void say_body(cli_run *run, const sections_job *job)
 {
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
-    cli_say(run, "%s -> %s\n", run->options.input[0], run->options.output);
+    cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
     cli_say(run, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points", r->sections, r->loops, r->holes, r->points);
     if (r->empty_sections != 0) cli_say(run, ", %" PRIu64 " empty", r->empty_sections);
     cli_say(run, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1], r->cell[0], r->cell[1]);
@@ -303,6 +304,8 @@ const cli_command cli_sections = {
     "Reads closed contours on parallel planes (.csl; .csv with the columns section,position,loop,x,y and\n"
     "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
     "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
-    "grid, and how many distances were not needed. --block-model writes blocks with the share inside.",
+    "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"
+    "second section at one position and a section alone are refused; sections, loops and points are\n"
+    "counted from 0. --block-model writes blocks with the share inside.",
     "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
     "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1", run_sections};

@@ -48,6 +48,8 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 /* By BVX_FORMAT_...; those that are only written have no name here. */
 static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
 
+static const char *const contour_format_names[] = {"csl", "csv", NULL};
+
 static const cli_argument arguments[] = {
     FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR, output,
               "where the result goes; the ending tells the format"),
@@ -164,7 +166,8 @@ static const cli_argument arguments[] = {
      "a sheet of N slices of the voxels across an axis, like z:16"},
     FLAG("--compare", CLI_RENDER, difference, "two inputs in one picture: what the second adds green, what it lacks red"),
     WHOLE("--turntable", "N", CLI_RENDER, turntable, 2, 360, "N pictures once round the axis of --up, to OUT_%d.png"),
-    CHOICE("--format", "NAME", CLI_ALL, format, format_names, BVX_FORMAT_STL, "format of standard input, with - as input: stl, obj, ply ..."),
+    CHOICE("--format", "NAME", CLI_SECTIONS, format, contour_format_names, BVX_FORMAT_CSL, "format of standard input, with - as input: csl or csv"),
+    CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, format_names, BVX_FORMAT_STL, "format of standard input, with - as input: stl, obj, ply ..."),
     WHOLE("--threads", "N", CLI_ALL, threads, 0, 1024, "workers, 0: all there are [0]"),
     BYTES("--memory-limit", "BYTES", CLI_ALL, memory_limit,
           "most memory for data; K, M and G are understood [none; files:\nhalf of the memory there is]"),
