@@ -117,18 +117,9 @@ static void add_blocks(sections_job *job, const bvx_grid *g, int32_t k, const do
             uint32_t const n = count_block(g, i, j);
             double const share = (double)n / (BLOCK_PARTS * BLOCK_PARTS * BLOCK_PARTS);
             if (n == 0) continue;
-            cli_json_number(text, low[0] + (i + 0.5) * side[0]);
-            cli_text_add(text, ",");
-            cli_json_number(text, low[1] + (j + 0.5) * side[1]);
-            cli_text_add(text, ",");
-            cli_json_number(text, low[2] + (k + 0.5) * side[2]);
-            cli_text_add(text, ",");
-            for (int a = 0; a < 3; a++) {
-                cli_json_number(text, side[a]);
-                cli_text_add(text, ",");
-            }
-            cli_json_number(text, share);
-            cli_text_add(text, "\n");
+            /* twelve digits: centres that are decimals in the user's eyes stay so */
+            cli_text_add(text, "%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.9g\n", low[0] + (i + 0.5) * side[0], low[1] + (j + 0.5) * side[1],
+                         low[2] + (k + 0.5) * side[2], side[0], side[1], side[2], share);
             job->blocks++;
             job->block_volume += share * side[0] * side[1] * side[2];
         }

@@ -15,6 +15,7 @@ typedef struct ends_work {
     uint32_t *owner;         /* of each loop: the outer loop of its part */
     uint8_t *met;            /* of outer loops */
     uint32_t left;           /* outer loops that are not met yet */
+    uint32_t hint;
 } ends_work;
 
 uint32_t bvxi_contour_of(const bvxi_plane *p, uint32_t point)
@@ -28,13 +29,24 @@ uint32_t bvxi_contour_of(const bvxi_plane *p, uint32_t point)
     return low;
 }
 
+double bvxi_contour_distance(const bvxi_plane *p, double u, double v, uint32_t *hint, uint32_t *contour)
+{
+    uint32_t segment;
+    double d;
+    *contour = 0;
+    if (p->contour_count == 1) return bvxi_plane_distance(p, u, v, hint); /* which segment does not matter */
+    d = bvxi_plane_nearest(p, u, v, &segment);
+    *contour = bvxi_contour_of(p, segment);
+    return d;
+}
+
 /* The part that a place inside the plane lies in: the one whose contour is nearest. */
 static uint32_t part_at(ends_work *w, double u, double v, double *distance)
 {
-    uint32_t segment;
-    *distance = bvxi_plane_nearest(w->plane, u, v, &segment);
+    uint32_t contour;
+    *distance = bvxi_contour_distance(w->plane, u, v, &w->hint, &contour);
     w->s->report.distances++;
-    return w->owner[bvxi_contour_of(w->plane, segment)];
+    return w->owner[contour];
 }
 
 static void meet(ends_work *w, uint32_t part)
@@ -121,7 +133,7 @@ static void mark_ends(ends_work *w, int side, const bvxi_plane *other, double *d
     bvxi_plane *const p = w->plane;
     bvxi_plane_owners(p, w->owner);
     w->other = other;
-    w->left = 0;
+    w->left = w->hint = 0;
     for (uint32_t c = 0; c < p->contour_count; c++) {
         if (!p->contour[c].hole || w->owner[c] == BVXI_NONE) w->owner[c] = c;
         w->met[c] = 0;

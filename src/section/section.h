@@ -144,6 +144,8 @@ int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *plane, double u
 /* ---- ends.c: parts that end before the next section ---- */
 
 bvx_status bvxi_stack_ends(bvxi_stack *stack);
+/* Distance to the nearest contour, and its number: the least of those that lie so near. */
+double bvxi_contour_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint, uint32_t *contour);
 /* The number of the contour that a point is one of. */
 uint32_t bvxi_contour_of(const bvxi_plane *plane, uint32_t point);
 

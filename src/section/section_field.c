@@ -108,11 +108,11 @@ static int is_nothing(const bvxi_field *f, int k)
 static double ending_part(bvxi_field *f, int k, double u, double v, double *distance)
 {
     const bvxi_plane *const p = f->slab->plane[k];
-    uint32_t segment;
+    uint32_t contour;
     if (!p->ends[1 - k]) return 0.0;
     f->s->report.distances++;
-    *distance = bvxi_plane_nearest(p, u, v, &segment);
-    return p->contour[bvxi_contour_of(p, segment)].end[1 - k];
+    *distance = bvxi_contour_distance(p, u, v, &f->plane[k].hint, &contour);
+    return p->contour[contour].end[1 - k];
 }
 
 /* How deep outside on plane k the inside of a part is that ends, so that its deepest places end half way between two sections: a plane
