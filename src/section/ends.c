@@ -41,7 +41,7 @@ double bvxi_contour_distance(const bvxi_plane *p, double u, double v, uint32_t *
 }
 
 /* The part that a place inside the plane lies in: the one whose contour is nearest. */
-static uint32_t part_at(ends_work *w, double u, double v, double *distance)
+static uint32_t part_of_place(ends_work *w, double u, double v, double *distance)
 {
     uint32_t contour;
     *distance = bvxi_contour_distance(w->plane, u, v, &w->hint, &contour);
@@ -49,7 +49,7 @@ static uint32_t part_at(ends_work *w, double u, double v, double *distance)
     return w->owner[contour];
 }
 
-static void meet(ends_work *w, uint32_t part)
+static void meet_part(ends_work *w, uint32_t part)
 {
     if (w->met[part]) return;
     w->met[part] = 1;
@@ -65,7 +65,7 @@ static void meet_by_grid(ends_work *w)
         for (int32_t i = 0; i <= s->size[0] + 1; i++) {
             int const is = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) && bvxi_grid_bit(s, w->other, i, j);
             double d;
-            if (is != last) meet(w, part_at(w, s->origin[0] + (is ? i : i - 1) * s->step[0], s->origin[1] + j * s->step[1], &d));
+            if (is != last) meet_part(w, part_of_place(w, s->origin[0] + (is ? i : i - 1) * s->step[0], s->origin[1] + j * s->step[1], &d));
             last = is;
         }
     }
@@ -85,7 +85,7 @@ static int is_met_by_points(ends_work *w, uint32_t part)
     for (uint32_t i = 0; i < o->point_count; i++) {
         const double *const at = o->uv[i];
         if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1]) continue;
-        if (bvxi_plane_inside(w->s, p, at[0], at[1]) && part_at(w, at[0], at[1], &d) == part) return 1;
+        if (bvxi_plane_inside(w->s, p, at[0], at[1]) && part_of_place(w, at[0], at[1], &d) == part) return 1;
     }
     for (uint32_t c = 0; c < p->contour_count; c++)
         for (uint32_t i = p->contour[c].first; w->owner[c] == part && i < p->contour[c].first + p->contour[c].count; i++)
@@ -111,7 +111,7 @@ static void measure_depths(ends_work *w, double *depth)
             double d;
             uint32_t part;
             if (!bvxi_grid_bit(s, p, i, j)) continue;
-            part = part_at(w, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], &d);
+            part = part_of_place(w, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], &d);
             if (!w->met[part] && d > depth[part]) depth[part] = d;
         }
     for (uint32_t c = 0; c < p->contour_count; c++) {
@@ -128,7 +128,7 @@ static void measure_depths(ends_work *w, double *depth)
 }
 
 /* other: the section on that side, or NULL where there is none. */
-static void mark_ends(ends_work *w, int side, const bvxi_plane *other, double *depth)
+static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, double *depth)
 {
     bvxi_plane *const p = w->plane;
     bvxi_plane_owners(p, w->owner);
@@ -143,7 +143,7 @@ static void mark_ends(ends_work *w, int side, const bvxi_plane *other, double *d
     if (other != NULL) {
         meet_by_grid(w);
         for (uint32_t c = 0; c < p->contour_count && w->left != 0; c++)
-            if (w->owner[c] == c && !w->met[c] && is_met_by_points(w, c)) meet(w, c);
+            if (w->owner[c] == c && !w->met[c] && is_met_by_points(w, c)) meet_part(w, c);
     }
     if (w->left == 0) return;
     measure_depths(w, depth);
@@ -153,15 +153,15 @@ static void mark_ends(ends_work *w, int side, const bvxi_plane *other, double *d
 }
 
 /* side: 0 below, 1 above. */
-static void mark_side(ends_work *w, uint32_t number, int side, double *depth)
+static void mark_parts_on(ends_work *w, uint32_t number, int side, double *depth)
 {
     bvxi_stack *const s = w->s;
     int const taper = s->options.caps == BVX_CAPS_TAPER, last = number == (side ? s->plane_count - 1 : 0);
     const bvxi_plane *const other = last ? NULL : &s->plane[side ? number + 1 : number - 1];
     w->plane = &s->plane[number];
     if (w->plane->contour_count == 0) return;
-    if (!last && other->contour_count == 0) mark_ends(w, side, NULL, depth);
-    else if (taper) mark_ends(w, side, other, depth);
+    if (!last && other->contour_count == 0) mark_part_ends(w, side, NULL, depth);
+    else if (taper) mark_part_ends(w, side, other, depth);
 }
 
 bvx_status bvxi_stack_ends(bvxi_stack *s)
@@ -179,7 +179,7 @@ bvx_status bvxi_stack_ends(bvxi_stack *s)
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 8, "the parts of sections", &depth);
     for (uint32_t i = 0; i < s->plane_count && status == BVX_OK; i++) {
         status = bvxi_progress(s->ctx, "ends", (double)i / s->plane_count);
-        for (int side = 0; side < 2 && status == BVX_OK; side++) mark_side(&w, i, side, depth);
+        for (int side = 0; side < 2 && status == BVX_OK; side++) mark_parts_on(&w, i, side, depth);
     }
     bvxi_free(s->ctx, depth, most * 8);
     bvxi_free(s->ctx, w.met, most);

@@ -377,7 +377,7 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
 
 /* ---- the cell ---- */
 
-static bvx_status fill_loops(bvxi_trace *t)
+static bvx_status fill_cell_loops(bvxi_trace *t)
 {
     t->loop_count = t->strips = 0;
     for (uint32_t i = 0; i < t->point_count; i++) t->point[i].seen = 0;
@@ -393,13 +393,13 @@ static bvx_status fill_loops(bvxi_trace *t)
 
 /* Fill the loops; where triangles cross, fill them again, some of them round a vertex inside the cell: every choice for the first loops
  * is tried. In the paper's way vertices are made while loops are followed, and its triangles stay as they are. */
-static bvx_status fill_cell(bvxi_trace *t)
+static bvx_status fill_uncrossed(bvxi_trace *t)
 {
     bvxi_stack *const s = t->s;
     uint64_t const triangles = s->mesh.triangle_count, vertices = s->mesh.vertex_count, inner = s->report.inner_vertices;
     uint32_t choices = 1;
     t->choice = 0;
-    BVXI_TRY(fill_loops(t));
+    BVXI_TRY(fill_cell_loops(t));
     if (t->loop_count == 1 && (t->strips == 1 || s->mesh.triangle_count - triangles <= TRACE_FEW)) return BVX_OK; /* as good as never */
     if (!bvxi_cell_crosses(s, triangles)) return BVX_OK;
     if (s->options.crossings != BVX_CROSSINGS_PAPER)
@@ -409,7 +409,7 @@ static bvx_status fill_cell(bvxi_trace *t)
         s->mesh.vertex_count = vertices;
         s->report.inner_vertices = inner;
         t->choice = i;
-        BVXI_TRY(fill_loops(t));
+        BVXI_TRY(fill_cell_loops(t));
         if (!bvxi_cell_crosses(s, triangles)) return BVX_OK;
     }
     s->report.crossed_cells++;
@@ -418,7 +418,7 @@ static bvx_status fill_cell(bvxi_trace *t)
     s->mesh.vertex_count = vertices;
     s->report.inner_vertices = inner;
     t->choice = 0;
-    return fill_loops(t);
+    return fill_cell_loops(t);
 }
 
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
@@ -433,5 +433,5 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
     link_arcs(t);
     for (int k = 0; k < 2; k++)
         if (t->level[k].kind == BVXI_PLANE_FIELD) BVXI_TRY(bvxi_trace_face(t, k));
-    return fill_cell(t);
+    return fill_uncrossed(t);
 }
