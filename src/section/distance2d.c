@@ -75,11 +75,9 @@ static inline double box_square(const double box[4], double u, double v)
     return x * x + y * y;
 }
 
-/* The least square in a group of segments, where it is less than best. All four are computed before any is looked at. */
-static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double u, double v, double best, uint32_t *hint)
+/* Squares of the distances to a group of segments. */
+static inline void squares_of_group(const bvxi_segment_group *g, double u, double v, double d[BVXI_SEGMENT_GROUP])
 {
-    const bvxi_segment_group *const g = &p->group[leaf];
-    double d[BVXI_SEGMENT_GROUP], least;
     for (int i = 0; i < BVXI_SEGMENT_GROUP; i++) {
         double const x = u - g->u[i], y = v - g->v[i];
         double const along = x * g->du[i] + y * g->dv[i];
@@ -88,6 +86,13 @@ static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double
         double const ex = x - t * g->du[i], ey = y - t * g->dv[i];
         d[i] = ex * ex + ey * ey;
     }
+}
+
+/* The least square in a group, where it is less than best. All four are computed before any is looked at. */
+static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double u, double v, double best, uint32_t *hint)
+{
+    double d[BVXI_SEGMENT_GROUP], least;
+    squares_of_group(&p->group[leaf], u, v, d);
     least = d[0] < d[1] ? d[0] : d[1];
     if (d[2] < least) least = d[2];
     if (d[3] < least) least = d[3];
@@ -134,6 +139,33 @@ double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hi
     best = nearest_in_group(p, node - p->leaf_count, u, v, 1e300, hint);
     for (; node > 1; node >>= 1)
         if (box_square(p->box[node ^ 1], u, v) < farthest_box(p, best)) best = nearest_below(p, node ^ 1, u, v, best, hint);
+    return sqrt(best);
+}
+
+/* From the top; boxes as near as the nearest segment are looked into too, since one with a lower number may be there. */
+double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment)
+{
+    uint32_t stack[DISTANCE_STACK], top = 0;
+    double best = 1e300;
+    *segment = BVXI_NONE;
+    stack[top++] = 1;
+    while (top > 0) {
+        uint32_t const node = stack[--top], first = (node - p->leaf_count) * BVXI_SEGMENT_GROUP;
+        double d[BVXI_SEGMENT_GROUP];
+        if (box_square(p->box[node], u, v) >= farthest_box(p, best)) continue;
+        if (node < p->leaf_count) {
+            int const low = box_square(p->box[2 * node], u, v) <= box_square(p->box[2 * node + 1], u, v);
+            stack[top++] = low ? 2 * node + 1 : 2 * node;
+            stack[top++] = low ? 2 * node : 2 * node + 1;
+            continue;
+        }
+        squares_of_group(&p->group[node - p->leaf_count], u, v, d);
+        for (uint32_t i = 0; i < BVXI_SEGMENT_GROUP && first + i < p->point_count; i++)
+            if (d[i] < best || (d[i] == best && first + i < *segment)) {
+                best = d[i];
+                *segment = first + i;
+            }
+    }
     return sqrt(best);
 }
 

@@ -169,7 +169,9 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
     for (int k = 0; k < 3; k++) middle[k] /= l->count;
     for (int k = 0; k < 2; k++) uv[k] = s->origin[k] + (l->low[k] + 0.5 * l->size) / (double)(1 << s->fine) * s->step[k];
     bvxi_section_place(s, uv[0], uv[1], 0.5 * (l->low_w + l->high_w), centre);
-    if (faces != 0) { /* off that face, by less for smaller loops: the cone over a hole stays inside that of the loop round it */
+    if (l->cone == 2) {
+        for (int k = 0; k < 3; k++) middle[k] += 0.5 * (centre[k] - middle[k]);
+    } else if (faces != 0) { /* off that face, by less for smaller loops: the cone over a hole stays inside that of the loop round it */
         double reach = 0.0, share;
         for (uint32_t i = 0; i < l->count; i++) {
             double const d = fill_length(at[i], middle);
@@ -186,14 +188,15 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
     return BVX_OK;
 }
 
-bvx_status bvxi_fill_loop(bvxi_stack *s, const bvxi_loop_fill *l)
+bvx_status bvxi_fill_loop(bvxi_stack *s, bvxi_loop_fill *l)
 {
     bvx_status status = BVX_ERR_EMPTY;
     uint32_t common = 0xff;
+    l->strip = 0;
     for (uint32_t i = 0; i < l->count; i++) common &= l->faces[i];
-    if (l->count == 3 && common == 0) return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
+    if (l->count == 3 && common == 0 && !l->cone) return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
     for (uint32_t i = 0; i < l->count; i++) l->at[i] = bvxi_section_vertex(s, l->vertex[i]);
-    if (common != 0) return fill_by_vertex(s, l, l->at); /* flat on one face, where the neighbour has the same loop */
+    if (common != 0 || l->cone) return fill_by_vertex(s, l, l->at); /* common: flat on one face, where the neighbour has the same loop */
     if (l->count == 4) {
         uint32_t i;
         if (fill_four(l, l->at, &i)) {
@@ -204,6 +207,7 @@ bvx_status bvxi_fill_loop(bvxi_stack *s, const bvxi_loop_fill *l)
     }
     if (l->count > FILL_FEW) {
         status = fill_as_strip(s, l, l->at, l->next, l->before);
+        l->strip = status == BVX_OK;
         if (status != BVX_ERR_EMPTY) return status;
     }
     if (l->count <= FILL_EXACT) {

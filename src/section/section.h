@@ -36,6 +36,7 @@ typedef struct bvxi_contour {
     uint32_t first, count; /* points */
     uint32_t given;        /* number in the stack given */
     int32_t hole;
+    double end[2];         /* a part that ends below, above: how deep its inside is at most; else 0 */
 } bvxi_contour;
 
 /* An arc as stretch of the plane's ring, between two places on sides of its cell (0 low v, 1 high u, 2 high v, 3 low u). */
@@ -82,6 +83,7 @@ typedef struct bvxi_plane {
     double slack;            /* what rounding may make of squares of distances */
     double area;
     int lines;               /* of a cap: points are vertices, and their segments cross nothing */
+    uint8_t ends[2];         /* some part ends below, above */
 } bvxi_plane;
 
 /* A plane without loops, where a body begins or ends between sections. */
@@ -215,8 +217,18 @@ void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes);
 void bvxi_plane_tree(bvxi_plane *plane);
 /* Distance from a place to the nearest contour; *hint is a segment thought to be near, and becomes the nearest found. */
 double bvxi_plane_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint);
+/* The same distance, and the segment of least number among those that lie so near. */
+double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment);
 /* 1 when the snapped place is inside. */
 int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *plane, double u, double v);
+
+/* ---- part_ends.c: parts that end before the next section ---- */
+
+bvx_status bvxi_stack_ends(bvxi_stack *stack);
+/* Distance to the nearest contour, and its number: the least of those that lie so near. */
+double bvxi_contour_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint, uint32_t *contour);
+/* The number of the contour that a point is one of. */
+uint32_t bvxi_contour_of(const bvxi_plane *plane, uint32_t point);
 
 /* ---- fill_loop.c ---- */
 
@@ -227,12 +239,14 @@ typedef struct bvxi_loop_fill {
     const int32_t *low;      /* of the cell, in fixed point */
     int32_t size;
     double low_w, high_w;
+    int cone;                /* 1: round a vertex at the loop's middle in any case, 2: half way from there to the cell's */
+    int strip;               /* out: it became a strip from below to above */
     const double **at;       /* scratch: count each */
     uint32_t *next, *before;
 } bvxi_loop_fill;
 
 /* Triangles inside a loop whose inner edges lie on no cell face; where there are none, round a vertex inside the cell. */
-bvx_status bvxi_fill_loop(bvxi_stack *stack, const bvxi_loop_fill *loop);
+bvx_status bvxi_fill_loop(bvxi_stack *stack, bvxi_loop_fill *loop);
 
 /* ---- section_mesh.c ---- */
 
@@ -278,6 +292,8 @@ void bvxi_slabs_free(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 bvx_status bvxi_cap_fill(bvxi_stack *stack, const bvxi_plane *plane, int32_t side);
 /* Twice the area of a loop in fixed point, about; less than 0 for a hole. */
 double bvxi_cap_area(const bvxi_plane *plane, const bvxi_contour *contour);
+/* The smallest outer loop round each hole, or BVXI_NONE; that of outer loops is BVXI_NONE. */
+void bvxi_plane_owners(const bvxi_plane *plane, uint32_t *owner);
 /* The same for the region within lines between vertices. */
 bvx_status bvxi_cap_fill_edges(bvxi_stack *stack, const uint32_t (*edge)[2], uint32_t count, int32_t side);
 

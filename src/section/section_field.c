@@ -1,81 +1,11 @@
 /* section_field.c - signed distances where the surface asks for them, and its crossings of the lines between two planes.
  *
  * A line over a grid point (or a corner of a subdivided cell) is crossed where the point is inside on one plane and outside on
- * the other: at the share of both distances, kept a little off the planes. A plane without loops is as deep outside
- * everywhere as the other plane's widest place is inside: the body narrows to a ridge there. */
+ * the other: at the share of both distances, kept a little off the planes. Over a part that ends (part_ends.c) the other plane counts as so
+ * deep outside as the part's widest place is inside: the body narrows to a ridge there. */
 #include "section/section_field.h"
 
 #define FIELD_MARGIN (1.0 / 1024.0)
-
-/* ---- lookup ---- */
-
-static uint32_t map_slot(const bvxi_vertex_map *m, uint64_t key)
-{
-    uint64_t h = key * UINT64_C(0x9e3779b97f4a7c15);
-    uint32_t i = (uint32_t)(h >> 32) & (m->room - 1);
-    while (m->key[i] != UINT64_MAX && m->key[i] != key) i = (i + 1) & (m->room - 1);
-    return i;
-}
-
-static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
-{
-    bvxi_vertex_map larger = {NULL, NULL, 0, 0};
-    bvx_status status;
-    if (s->fixed) return BVX_ERR_BUDGET;
-    larger.room = room;
-    larger.count = m->count;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 8, "the crossings of edges", &larger.key);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 4, "the crossings of edges", &larger.vertex);
-    if (status != BVX_OK) {
-        bvxi_free(s->ctx, larger.key, larger.key == NULL ? 0 : (uint64_t)room * 8);
-        return status;
-    }
-    memset(larger.key, 0xff, (size_t)room * 8);
-    for (uint32_t i = 0; i < m->room; i++)
-        if (m->key[i] != UINT64_MAX) {
-            uint32_t const at = map_slot(&larger, m->key[i]);
-            larger.key[at] = m->key[i];
-            larger.vertex[at] = m->vertex[i];
-        }
-    bvxi_map_free(s, m);
-    *m = larger;
-    return BVX_OK;
-}
-
-bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *m, uint64_t key, uint32_t **vertex)
-{
-    uint32_t at;
-    if (2 * (uint64_t)m->count >= m->room) {
-        if (m->room >= UINT32_C(1) << 30) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^29 crossings of edges", s->function);
-        BVXI_TRY(map_resize(s, m, m->room == 0 ? 64 : 2 * m->room));
-    }
-    at = map_slot(m, key);
-    if (m->key[at] == UINT64_MAX) {
-        m->key[at] = key;
-        m->vertex[at] = BVXI_NONE;
-        m->count++;
-    }
-    *vertex = &m->vertex[at];
-    return BVX_OK;
-}
-
-bvx_status bvxi_map_open(bvxi_stack *s, bvxi_vertex_map *m)
-{
-    return m->room != 0 ? BVX_OK : map_resize(s, m, 64);
-}
-
-void bvxi_map_clear(bvxi_vertex_map *m)
-{
-    if (m->count != 0) memset(m->key, 0xff, (size_t)m->room * 8);
-    m->count = 0;
-}
-
-void bvxi_map_free(bvxi_stack *s, bvxi_vertex_map *m)
-{
-    bvxi_free(s->ctx, m->vertex, (uint64_t)m->room * 4);
-    bvxi_free(s->ctx, m->key, (uint64_t)m->room * 8);
-    memset(m, 0, sizeof *m);
-}
 
 /* ---- distances ---- */
 
@@ -114,24 +44,47 @@ static int is_nothing(const bvxi_field *f, int k)
     return bvxi_plane_is_nothing(f->slab->plane[k]);
 }
 
+/* Where the part of plane k that is nearest to a place ends before the other plane: its depth, and the distance to it; else 0. */
+static double ending_part(bvxi_field *f, int k, double u, double v, double *distance)
+{
+    const bvxi_plane *const p = f->slab->plane[k];
+    uint32_t contour;
+    if (!p->ends[1 - k]) return 0.0;
+    f->s->report.distances++;
+    *distance = bvxi_contour_distance(p, u, v, &f->plane[k].hint, &contour);
+    return p->contour[contour].end[1 - k];
+}
+
+/* How deep outside on plane k the inside of a part is that ends, so that its deepest places end half way between two sections: a plane
+ * without loops lies there already. */
+static double ending_depth(const bvxi_field *f, int k, double off, double depth)
+{
+    return (is_nothing(f, k) ? depth : 2.0 * depth) - (off < depth ? off : depth);
+}
+
+/* The value on plane k at a place outside, which lies d from its contours, if it has some. */
+static double outside_value(bvxi_field *f, int k, double u, double v, double d)
+{
+    double off, mine, depth = ending_part(f, 1 - k, u, v, &off);
+    if (!(depth > 0.0)) return -d;
+    if (bvxi_plane_inside(f->s, f->slab->plane[1 - k], u, v)) return -ending_depth(f, k, off, depth);
+    if (!is_nothing(f, k) && d < off && ending_part(f, k, u, v, &mine) > 0.0) return -d; /* a part that ends the other way is nearer */
+    return -off - (is_nothing(f, k) ? depth : 2.0 * depth);
+}
+
 double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside)
 {
-    double d;
-    if (is_nothing(f, k)) {
-        int const other = bvxi_grid_bit(f->s, f->slab->plane[1 - k], at[0] >> f->s->fine, at[1] >> f->s->fine);
-        return bvxi_field_corner(f, at, 1 - k, other) - f->depth;
-    }
-    d = corner_distance(f, at, k);
-    return inside ? d : -d;
+    double const d = is_nothing(f, k) ? 0.0 : corner_distance(f, at, k);
+    return inside ? d : outside_value(f, k, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]), d);
 }
 
 static double plane_at(bvxi_field *f, int k, double u, double v)
 {
     double d;
-    if (is_nothing(f, k)) return plane_at(f, 1 - k, u, v) - f->depth;
+    if (is_nothing(f, k)) return outside_value(f, k, u, v, 0.0);
     f->s->report.distances++;
     d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
-    return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : -d;
+    return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : outside_value(f, k, u, v, d);
 }
 
 double bvxi_field_at(bvxi_field *f, double u, double v, double t)
@@ -142,10 +95,20 @@ double bvxi_field_at(bvxi_field *f, double u, double v, double t)
 
 /* ---- crossings of lines ---- */
 
-/* Where a line is crossed, as a share of the way, and between which levels; distances on both planes. */
-static double line_share(const bvxi_field *f, double below, double above, uint8_t *layer)
+/* Both distances on the line over a place in a part that ends before the other plane, which it is inside on; 0 for other places. */
+static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
 {
-    double t = below + above > 0.0 ? below / (below + above) : 0.5;
+    double off, depth = ending_part(f, from, u, v, &off);
+    if (!(depth > 0.0)) return 0;
+    d[from] = off;
+    d[1 - from] = ending_depth(f, 1 - from, off, depth);
+    return 1;
+}
+
+/* Where a line is crossed, as a share of the way, and between which levels; distances on both planes. */
+static double line_share(const bvxi_field *f, const double d[2], uint8_t *layer)
+{
+    double t = d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     int32_t l = 0;
     if (f->layers > 1) {
         t *= f->layers;
@@ -161,8 +124,7 @@ static double line_share(const bvxi_field *f, double below, double above, uint8_
 static bvx_status cross_over(bvxi_field *f, double u, double v, const double d[2], uint8_t *layer, uint32_t *vertex)
 {
     const double *const w = f->slab->w;
-    double const below = is_nothing(f, 0) ? f->depth - d[1] : d[0], above = is_nothing(f, 1) ? f->depth - d[0] : d[1];
-    double const t = line_share(f, below, above, layer);
+    double const t = line_share(f, d, layer);
     double place[3];
     bvxi_section_place(f->s, u, v, w[0] + t * (w[1] - w[0]), place);
     return bvxi_section_add_vertex(f->s, place, vertex);
@@ -177,9 +139,27 @@ static void start_near(bvxi_plane_field *p, int32_t i)
     if (best->row >= 0) p->hint = best->segment;
 }
 
+/* Distances on the lines over parts that end; those of other lines are left less than 0, to be measured. */
+static void measure_ends(bvxi_field *f)
+{
+    bvxi_stack *const s = f->s;
+    uint32_t n = 0;
+    for (int32_t j = 0; j <= s->size[1]; j++)
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1, n++) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                double d[2] = {-1.0, -1.0};
+                for (int k = 0; k < 2; k++)
+                    if (is_nothing(f, k)) d[k] = 0.0;
+                (void)ending_line(f, !bvxi_grid_bit(s, f->slab->plane[0], i, j), s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d);
+                f->line[0][n] = d[0];
+                f->line[1][n] = d[1];
+            }
+}
+
 /* Distances of all crossed lines on one plane. The search begins at what was nearest to the place just before, or above, so it
- * seldom goes far. */
-static void measure_lines(bvxi_field *f, int k)
+ * seldom goes far. ends: some are known. */
+static void measure_lines(bvxi_field *f, int k, int ends)
 {
     bvxi_stack *const s = f->s;
     bvxi_plane_field *const p = &f->plane[k];
@@ -189,31 +169,15 @@ static void measure_lines(bvxi_field *f, int k)
     for (int32_t j = 0; j <= s->size[1]; j++) {
         int32_t last = INT32_MIN / 2;
         for (int32_t word = 0; word < s->words; word++)
-            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1) {
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
+                if (ends && d[n] >= 0.0) continue;
                 if (i - last > 1) start_near(p, i);
-                d[n++] = grid_distance(f, p, i, j);
+                d[n] = grid_distance(f, p, i, j);
                 p->column[i + 1].segment = p->hint;
                 p->column[i + 1].row = j;
                 last = i;
             }
-    }
-}
-
-/* How far a plane without loops lies below the other one. */
-static void find_depth(bvxi_field *f)
-{
-    int const k = is_nothing(f, 0);
-    f->depth = 0.0;
-    if (!k && !is_nothing(f, 1)) return;
-    for (uint32_t n = 0; n < f->lines; n++)
-        if (f->line[k][n] > f->depth) f->depth = f->line[k][n];
-    for (uint32_t i = 0; i < f->slab->hanging_count; i++) {
-        const bvxi_hanging *const h = &f->slab->hanging[i];
-        double d;
-        if (h->inside[0] == h->inside[1]) continue;
-        d = corner_distance(f, h->at, k);
-        if (d > f->depth) f->depth = d;
     }
 }
 
@@ -235,29 +199,38 @@ static bvx_status cross_grid_lines(bvxi_field *f)
     return BVX_OK;
 }
 
-static bvx_status cross_lines(bvxi_field *f)
+static bvx_status cross_hanging_lines(bvxi_field *f)
 {
     bvxi_slab *const slab = f->slab;
+    for (uint32_t i = 0; i < slab->hanging_count; i++) {
+        bvxi_hanging *const h = &slab->hanging[i];
+        double const u = bvxi_fixed_u(f->s, 0, h->at[0]), v = bvxi_fixed_u(f->s, 1, h->at[1]);
+        double d[2] = {0.0, 0.0};
+        if (h->inside[0] == h->inside[1]) continue;
+        if (!ending_line(f, !h->inside[0], u, v, d))
+            for (int k = 0; k < 2; k++)
+                if (!is_nothing(f, k)) d[k] = corner_distance(f, h->at, k);
+        BVXI_TRY(cross_over(f, u, v, d, &h->layer, &h->vertex));
+    }
+    return BVX_OK;
+}
+
+static bvx_status cross_lines(bvxi_field *f)
+{
+    const bvxi_slab *const slab = f->slab;
     size_t const words = (size_t)(f->s->size[1] + 1) * (size_t)f->s->words;
+    int const ends = slab->plane[0]->ends[1] || slab->plane[1]->ends[0];
     f->lines = 0;
     for (size_t i = 0; i < words; i++) {
         f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
         f->before[i] = f->lines;
         f->lines += bvxi_popcount(f->crossed[i]);
     }
+    if (ends) measure_ends(f);
     for (int k = 0; k < 2; k++)
-        if (!is_nothing(f, k)) measure_lines(f, k);
-    find_depth(f);
+        if (!is_nothing(f, k)) measure_lines(f, k, ends);
     BVXI_TRY(cross_grid_lines(f));
-    for (uint32_t i = 0; i < slab->hanging_count; i++) {
-        bvxi_hanging *const h = &slab->hanging[i];
-        double d[2] = {0.0, 0.0};
-        if (h->inside[0] == h->inside[1]) continue;
-        for (int k = 0; k < 2; k++)
-            if (!is_nothing(f, k)) d[k] = corner_distance(f, h->at, k);
-        BVXI_TRY(cross_over(f, bvxi_fixed_u(f->s, 0, h->at[0]), bvxi_fixed_u(f->s, 1, h->at[1]), d, &h->layer, &h->vertex));
-    }
-    return BVX_OK;
+    return cross_hanging_lines(f);
 }
 
 /* ---- slabs ---- */

@@ -34,7 +34,6 @@ typedef struct bvxi_field {
     bvxi_stack *s;
     bvxi_slab *slab;
     int32_t layers;
-    double depth;            /* of a plane without loops: what its field lies below the other plane's */
     bvxi_plane_field plane[2];
     uint64_t *crossed;       /* grid points whose line to the plane above is crossed; crossings are numbered in their order */
     uint32_t *before;        /* a word of them each: crossings before it */
@@ -63,6 +62,8 @@ static inline uint32_t bvxi_line_number(const bvxi_field *f, int32_t i, int32_t 
 }
 
 double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q);
+
+/* ---- vertex_map.c ---- */
 
 bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *map, uint64_t key, uint32_t **vertex);
 /* Room for the first of them. */

@@ -97,6 +97,7 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     bvxi_slab *slabs = NULL;
     uint32_t count = 0;
     bvx_status status = bvxi_slabs_make(s, &slabs, &count);
+    if (status == BVX_OK) status = bvxi_stack_ends(s);
     if (status == BVX_OK) status = make_rings(s);
     if (status == BVX_OK) status = bvxi_slabs_fill(s, slabs, s->slab_count);
     if (status == BVX_OK) status = make_caps(s);

@@ -70,20 +70,9 @@ static int pair_meets(const bvxi_plane *p, const uint32_t *place, uint32_t i, ui
     return bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
 }
 
-static uint32_t loop_of_point(const bvxi_plane *p, uint32_t i)
-{
-    uint32_t low = 0, high = p->contour_count;
-    while (high - low > 1) {
-        uint32_t const middle = low + (high - low) / 2;
-        if (p->contour[middle].first <= i) low = middle;
-        else high = middle;
-    }
-    return p->contour[low].given;
-}
-
 static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, uint32_t j)
 {
-    uint64_t const a = loop_of_point(p, i), b = loop_of_point(p, j);
+    uint64_t const a = p->contour[bvxi_contour_of(p, i)].given, b = p->contour[bvxi_contour_of(p, j)].given;
     const bvx_section_loop *const la = &s->given->loops[a], *const lb = &s->given->loops[b];
     uint64_t const pa = p->given[i] - la->first_point, pb = p->given[j] - lb->first_point;
     if (a == b)

@@ -40,7 +40,7 @@ struct bvxi_slab {
     /* the surface between the planes, when each slab has its own: vertices behind those of the rings, numbered from there */
     bvxi_section_mesh mesh;
     uint32_t lines;                    /* grid points whose line is crossed */
-    uint64_t distances, ambiguous_faces, inner_vertices;
+    uint64_t distances, ambiguous_faces, inner_vertices, crossed_cells;
     int owns_mesh;                     /* 1: arrays of its own, else stretches of all slabs' */
 };
 

@@ -2,7 +2,8 @@
  *
  * These are nearly all cells, and what trace.c finds for them fits twelve places: the sides below, the sides above, the heights over the
  * corners. A side with two crossings joins them by a table of which of its four corners are inside; one with four is left to trace.c, as
- * all that is not plain is. Contours join crossings below and above. Loops, their first vertices and their order are those of trace.c. */
+ * all that is not plain is, and cells whose triangles cross. Contours join crossings below and above. Loops, their first vertices and
+ * their order are those of trace.c. */
 #include "section/slab_fill.h"
 
 enum { PLAIN_ABOVE = 4, PLAIN_OVER = 8, PLAIN_PLACES = 12, PLAIN_NONE = 0xff, PLAIN_OPEN = 0xfe };
@@ -109,6 +110,7 @@ static bvx_status plain_loop(bvxi_slab_work *w, const plain_cell *c, uint32_t st
 bvx_status bvxi_slab_plain_cell(bvxi_slab_work *w, const uint32_t arcs[2], const uint32_t inside[2], const uint32_t line[4], int *done)
 {
     uint32_t seen = 0, inner = 0;
+    bvxi_trace_made made;
     plain_cell c;
     c.count = c.present = c.from = c.to = c.along = 0;
     *done = 0;
@@ -117,8 +119,10 @@ bvx_status bvxi_slab_plain_cell(bvxi_slab_work *w, const uint32_t arcs[2], const
         if (line[i] != BVXI_NONE) plain_add(&c, PLAIN_OVER + i, line[i]);
     if (!plain_sides(&c, inside) || c.from != c.present || c.to != c.present) return BVX_OK;
     if (PLAIN_PLACES + inner > w->trace.loop_room) return BVX_OK;
-    *done = 1;
+    bvxi_trace_begin_fill(&w->trace, 0, &made);
     for (uint32_t i = 0; i < c.count; i++)
         if ((seen >> c.order[i] & 1) == 0) BVXI_TRY(plain_loop(w, &c, c.order[i], &seen));
+    *done = !bvxi_trace_crosses(&w->trace, &made);
+    if (!*done) bvxi_trace_undo_fill(&w->trace, &made); /* trace.c fills them in other ways */
     return BVX_OK;
 }

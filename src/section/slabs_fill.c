@@ -81,12 +81,13 @@ static bvx_status fill_in_view(slabs_worker *w, bvxi_slab *slab)
 {
     bvx_status status;
     w->view.mesh = slab->mesh;
-    w->view.report.distances = w->view.report.ambiguous_faces = w->view.report.inner_vertices = 0;
+    w->view.report.distances = w->view.report.ambiguous_faces = w->view.report.inner_vertices = w->view.report.crossed_cells = 0;
     status = bvxi_slab_fill(&w->work, slab);
     slab->mesh = w->view.mesh;
     slab->distances = w->view.report.distances;
     slab->ambiguous_faces = w->view.report.ambiguous_faces;
     slab->inner_vertices = w->view.report.inner_vertices;
+    slab->crossed_cells = w->view.report.crossed_cells;
     return status;
 }
 
@@ -152,6 +153,7 @@ static bvx_status fill_side_by_side(slabs_job *job)
         s->report.distances += job->slab[i].distances;
         s->report.ambiguous_faces += job->slab[i].ambiguous_faces;
         s->report.inner_vertices += job->slab[i].inner_vertices;
+        s->report.crossed_cells += job->slab[i].crossed_cells;
     }
     return status;
 }

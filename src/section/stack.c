@@ -59,8 +59,8 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: sections %u and %u lie at one position, %g", s->function, (uint64_t)order[i - 1],
                              (uint64_t)order[i], g->positions[order[i]]);
     if (end - first < 2)
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the body is in one section alone, %u: a body needs two", s->function,
-                         (uint64_t)order[first]);
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the body has loops in one section alone (number %u, at %g); it needs two", s->function,
+                         (uint64_t)order[first], g->positions[order[first]]);
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (end - first) * sizeof *s->plane, "the planes of a body", &s->plane));
     s->plane_count = end - first;
     for (uint32_t i = 0; i < s->plane_count; i++) {
@@ -84,6 +84,7 @@ static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
     bvxi_contour *const c = &p->contour[p->contour_count++];
     c->first = p->point_count;
     c->given = number;
+    c->end[0] = c->end[1] = 0.0;
     for (uint64_t i = 0; i < l->point_count; i++) {
         uint64_t const at = l->first_point + i, before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
         if (l->point_count > 1 && same_place(s->given->points + 3 * at, s->given->points + 3 * before)) {
@@ -160,8 +161,8 @@ static bvx_status check_flatness(bvxi_stack *s)
         for (uint32_t i = 0; i < p->point_count; i++) {
             double const off = along_axis(s->axis[2], s->given->points + 3 * (uint64_t)p->given[i]) - p->w;
             if (off > limit || off < -limit)
-                return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: point %u of section %u lies %g off its plane; %g is allowed", s->function,
-                                 (uint64_t)p->given[i], (uint64_t)p->section, off, limit);
+                return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: point %u of section %u (position %g) lies %g off its plane; %g is allowed",
+                                 s->function, (uint64_t)p->given[i], (uint64_t)p->section, p->w, off, limit);
         }
     }
     return BVX_OK;

@@ -69,6 +69,8 @@ typedef struct bvxi_trace {
     } *insert;                  /* contour points of one line */
     uint32_t insert_room;
     /* a loop */
+    uint32_t loop_count, strips; /* so far in the cell */
+    uint32_t choice;            /* how each is filled */
     uint32_t loop_room;
     uint32_t *vertex;
     uint8_t *faces;
@@ -81,8 +83,23 @@ bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
 /* Room for a loop of count vertices; for the crossings of the cell. */
 bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
 bvx_status bvxi_trace_open_rows(bvxi_trace *t);
+/* trace_loops.c: the loops of the cell, once its points are linked. */
+bvx_status bvxi_trace_loops(bvxi_trace *t);
+/* How much there was before a cell's loops were filled. */
+typedef struct bvxi_trace_made {
+    uint64_t triangles, vertices, inner;
+    uint32_t cap_edges[2];
+} bvxi_trace_made;
+/* Before the loops of a cell are filled; choice: how each is, digits to the base of three. */
+void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made);
+/* As if they had not been. */
+void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made);
+/* 1 when triangles of the cell cross. */
+int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made);
+/* uncross.c: 1 when triangles from a number on cross. */
+int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
 void bvxi_trace_free(bvxi_trace *t);
-/* Triangles inside the loop of count vertices that vertex and faces hold. */
+/* Triangles inside the loop of count vertices that vertex and faces hold: one more of the cell. */
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
 /* Where a contour's stretch of the ring that holds a place begins and ends. */
 void bvxi_ring_stretch(const bvxi_plane *plane, uint32_t place, uint32_t *first, uint32_t *end);

@@ -339,6 +339,83 @@ static void test_three_sections_behave(void)
     TEST_ASSERT_TRUE(certificate.low[0] > -1.01 && certificate.high[0] < 10.3);
 }
 
+static double highest_in(double low_x, double high_x)
+{
+    double most = -1e300;
+    for (uint64_t v = 0; v < mesh.vertex_count; v++) {
+        const double *const p = (const double *)mesh.positions + 3 * v;
+        if (p[0] > low_x && p[0] < high_x && p[2] > most) most = p[2];
+    }
+    return most;
+}
+
+/* A part that the next section lacks narrows to a ridge half way to it, however far off that section's other parts are; so does every part
+ * beyond the last section, whatever its width. */
+static void test_each_part_tapers_by_itself(void)
+{
+    for (int layers = 1; layers <= 3; layers += 2)
+        for (int far = 4; far <= 64; far *= 4) {
+            stack_clear(&stack);
+            for (int i = 0; i < 3; i++) {
+                uint32_t const k = stack_section(&stack, i);
+                if (i < 2) stack_round(&stack, k, 0, 0, 1, 1, 64, 0, 0, 0);
+                stack_round(&stack, k, far, 0, 2, 2, 64, 0, 0, 0);
+            }
+            o.caps = BVX_CAPS_TAPER;
+            o.layers = layers;
+            o.spacing = 0.1;
+            build_good();
+            TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
+            TEST_ASSERT_DOUBLE_WITHIN(0.05, 1.5, highest_in(-1.5, 1.5)); /* 1 and half of 1 */
+            TEST_ASSERT_DOUBLE_WITHIN(0.05, 2.5, highest_in(far - 2.5, far + 2.5));
+            double const small = pi * (1.0 + 2 * 0.5 / 3.0), large = 4 * pi * (2.0 + 2 * 0.5 / 3.0);
+            TEST_ASSERT_DOUBLE_WITHIN(0.02 * (small + large), small + large, certificate.volume);
+        }
+    o.caps = BVX_CAPS_FLAT; /* by the blend: all the sooner the farther off the other part is */
+    o.layers = 1;
+    build_good();
+    TEST_ASSERT_TRUE(highest_in(-1.5, 1.5) < 1.1);
+}
+
+/* A vein thinner than a cell that shifts from section to section stays one: its parts meet, though no grid point lies in them. */
+static void test_a_thin_vein_does_not_end(void)
+{
+    for (int i = 0; i < 4; i++) {
+        stack_loop(&stack, stack_section(&stack, i));
+        stack_point(&stack, 0.02 * i, 0);
+        stack_point(&stack, 10 + 0.02 * i, 7);
+        stack_point(&stack, 10 + 0.02 * i, 7.06);
+        stack_point(&stack, 0.02 * i, 0.06);
+    }
+    o.caps = BVX_CAPS_TAPER;
+    o.spacing = 0.9;
+    build_good();
+    TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+}
+
+/* A round-edged plate with two holes through it, which widen towards both faces: genus two from the first section to the last. */
+static void test_double_torus(void)
+{
+    double volume[2];
+    for (int pass = 0; pass < 2; pass++) {
+        int const sections = pass ? 33 : 17;
+        stack_clear(&stack);
+        for (int i = 0; i < sections; i++) {
+            double const z = -0.48 + 0.96 * i / (sections - 1), half = sqrt(0.25 - z * z); /* edges are half circles */
+            uint32_t const k = stack_section(&stack, z);
+            stack_round(&stack, k, 0, 0, 3.2 + half, 1.2 + half, 128, 0, 0, 0);
+            stack_round(&stack, k, -1.6, 0, 1.2 - half, 1.2 - half, 64, 0, 0, 0);
+            stack_round(&stack, k, 1.6, 0, 1.2 - half, 1.2 - half, 64, 0, 0, 0);
+        }
+        build_good();
+        assert_points_kept();
+        TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+        TEST_ASSERT_EQUAL_INT64(-2, certificate.euler); /* two holes */
+        volume[pass] = fabs(certificate.volume / report.prismoid_volume - 1.0);
+    }
+    TEST_ASSERT_TRUE(volume[0] < 0.02 && volume[1] < 0.02);
+}
+
 /* ---- the ways of crossing ---- */
 
 static double farthest_contour_point(void)
@@ -588,10 +665,10 @@ static void test_bad_stacks_are_refused(void)
     refuse(BVX_ERR_FORMAT, "sections 0 and 1 lie at one position, 0");
     two_squares();
     stack.loop[1].section = 0;
-    refuse(BVX_ERR_EMPTY, "in one section alone");
+    refuse(BVX_ERR_EMPTY, "in one section alone (number 0, at 0)");
     two_squares();
     stack.point[3 * 5 + 2] = 1.01;
-    refuse(BVX_ERR_FORMAT, "point 5 of section 1 lies 0.01");
+    refuse(BVX_ERR_FORMAT, "point 5 of section 1 (position 1) lies 0.01");
     two_squares();
     stack.point[3 * 5] = NAN;
     refuse(BVX_ERR_RANGE, "point 5 is not finite");
@@ -765,7 +842,7 @@ static void test_sections_golden(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &mesh, &hash));
         all = bvx_hash(&hash, 0, all ^ hash);
     }
-    TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x545A3D01C5DC57AD), all);
+    TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x70F1F7D1190A65B8), all);
 }
 
 int main(void)
@@ -783,6 +860,9 @@ int main(void)
     RUN_TEST(test_a_hole_closes);
     RUN_TEST(test_an_empty_section_parts_the_body);
     RUN_TEST(test_three_sections_behave);
+    RUN_TEST(test_each_part_tapers_by_itself);
+    RUN_TEST(test_a_thin_vein_does_not_end);
+    RUN_TEST(test_double_torus);
     RUN_TEST(test_exact_keeps_what_paper_nearly_keeps_and_classic_cuts);
     RUN_TEST(test_distances_are_skipped_where_nothing_needs_them);
     RUN_TEST(test_any_axis_and_a_slanted_normal);
