@@ -29,11 +29,43 @@ static void body_values(golden *g, const bvx_sections *sections, int32_t cells)
         }
 }
 
-static void file_value(golden *g, const char *key, const bvx_sections *sections, int32_t format)
+/* Contours as a file, and what is read from it again. */
+static void contour_file_values(golden *g, const char *key, const bvx_sections *sections, int32_t format)
 {
     bvx_buffer file = {0};
-    if (golden_good(g, bvx_write_sections(g->context, sections, format, &file))) golden_hex(g, key, bvx_hash(file.bytes, (size_t)file.size, 0));
+    bvx_sections read;
+    memset(&read, 0, sizeof read);
+    if (golden_good(g, bvx_write_sections(g->context, sections, format, &file))) {
+        golden_hex(g, key, bvx_hash(file.bytes, (size_t)file.size, 0));
+        if (format != BVX_FORMAT_SVG && golden_good(g, bvx_read_sections(g->context, file.bytes, file.size, format, NULL, &read)))
+            golden_hex(g, "read", mixed_doubles(0, read.points, 3 * read.point_count));
+    }
+    bvx_sections_free(g->context, &read);
     bvx_buffer_free(g->context, &file);
+}
+
+static uint64_t mixed_floats(const float *values, uint64_t count)
+{
+    uint64_t hash = 0;
+    for (uint64_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        hash = mixed_word(hash, bits);
+    }
+    return hash;
+}
+
+/* Of vertices, of facets, and of facets by their vertices. */
+static void normal_values(golden *g, const char *name, const bvx_mesh_view *view)
+{
+    static float vertex[3 * SHAPE_MAX], facet[3 * SHAPE_MAX];
+    golden_begin(g, name);
+    for (int averaged = 0; averaged < 2; averaged++)
+        if (golden_good(g, bvx_mesh_normals(g->context, view, averaged, vertex, facet))) {
+            if (averaged == 0) golden_hex(g, "vertices", mixed_floats(vertex, 3 * view->vertex_count));
+            golden_hex(g, averaged ? "averaged" : "facets", mixed_floats(facet, 3 * view->triangle_count));
+        }
+    golden_end(g);
 }
 
 /* Contours of a mesh across an axis and askew: their file, and the bodies made of them. */
@@ -51,9 +83,9 @@ static void slice_values(golden *g, const char *name, const bvx_mesh_view *view,
     if (golden_good(g, bvx_slice_mesh(g->context, view, &o, &sections))) {
         golden_u64(g, "loops", sections.loop_count);
         golden_u64(g, "points", sections.point_count);
-        file_value(g, "csl", &sections, BVX_FORMAT_CSL);
-        file_value(g, "svg", &sections, BVX_FORMAT_SVG);
-        if (z == 1.0) file_value(g, "csv", &sections, BVX_FORMAT_CSV);
+        contour_file_values(g, "csl", &sections, BVX_FORMAT_CSL);
+        contour_file_values(g, "svg", &sections, BVX_FORMAT_SVG);
+        if (z == 1.0) contour_file_values(g, "csv", &sections, BVX_FORMAT_CSV);
         body_values(g, &sections, 24);
     }
     golden_end(g);
@@ -81,6 +113,7 @@ static void section_cases(golden *g)
     }
     shape_torus(&golden_shape, 96, 40, 0.05, 7);
     shape_view(&golden_shape, &view);
+    normal_values(g, "torus_normals", &view);
     slice_values(g, "torus_z", &view, 0, 0, 1);
     slice_values(g, "torus_x", &view, 1, 0, 0);
     slice_values(g, "torus_askew", &view, 0.6, -0.36, 0.72);

@@ -262,6 +262,49 @@ static void test_torus_with_its_axis_in_the_plane(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * volume, volume, certificate.volume);
 }
 
+/* Needles beside a block, narrower on each turn: from some width on they enclose no area for sections, so slices leave them out. */
+static void test_slices_leave_out_what_encloses_no_area(void)
+{
+    static const double width[] = {1e-3, 1e-6, 1e-9, 1e-12, 1e-15};
+    static maker_mesh block;
+    uint64_t loops = 2;
+    for (int turn = 0; turn < 5; turn++) {
+        bvx_slice_options slice;
+        bvx_sections cut;
+        memset(&cut, 0, sizeof cut);
+        for (uint32_t i = 0; i < 8; i++) maker_vertex(&block, 4.0 * (i & 1), 4.0 * (i >> 1 & 1), i >> 2);
+        for (uint32_t i = 0; i < 4; i++) { /* a corner at the bottom, three at the top */
+            double const x = 6.0 + width[turn] * (i == 2), y = 1.0 + width[turn] * (i == 3);
+            maker_vertex(&block, x, y, i == 0 ? 0.0 : 1.0);
+        }
+        for (uint32_t i = 0; i < 3; i++) { /* pairs of opposite sides */
+            uint32_t const a = UINT32_C(1) << i, b = UINT32_C(1) << (i + 1) % 3, c = UINT32_C(1) << (i + 2) % 3;
+            maker_triangle(&block, 0, b, a + b);
+            maker_triangle(&block, 0, a + b, a);
+            maker_triangle(&block, c, c + a + b, c + b);
+            maker_triangle(&block, c, c + a, c + a + b);
+            maker_triangle(&block, 8, 9 + (i + 1) % 3, 9 + i);
+        }
+        maker_triangle(&block, 9, 10, 11);
+        bvx_mesh_view const view = maker_view(&block);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &certificate));
+        TEST_ASSERT_TRUE(certificate.closed && certificate.oriented);
+        bvx_slice_options_init(&slice, sizeof slice);
+        slice.spacing = 0.5;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_slice_mesh(ctx, &view, &slice, &cut));
+        TEST_ASSERT_EQUAL_UINT64(2, cut.section_count);
+        if (turn == 0) TEST_ASSERT_EQUAL_UINT64(4, cut.loop_count);
+        if (turn >= 2) TEST_ASSERT_EQUAL_UINT64(2, cut.loop_count);
+        TEST_ASSERT_TRUE(turn == 0 || cut.loop_count <= loops);
+        loops = cut.loop_count;
+        bvx_status const status = bvx_build_sections(ctx, &cut, &o, &mesh);
+        bvx_sections_free(ctx, &cut);
+        maker_free(&block);
+        if (status != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
+        bvx_mesh_free(ctx, &mesh);
+    }
+}
+
 /* One loop below, two above: a Y. */
 static void test_branching(void)
 {
@@ -855,6 +898,7 @@ int main(void)
     RUN_TEST(test_sphere_converges);
     RUN_TEST(test_cone_has_its_volume);
     RUN_TEST(test_torus_with_its_axis_in_the_plane);
+    RUN_TEST(test_slices_leave_out_what_encloses_no_area);
     RUN_TEST(test_branching);
     RUN_TEST(test_nested_shells);
     RUN_TEST(test_a_hole_closes);
