@@ -15,9 +15,10 @@ import csource  # noqa: E402
 # Results are freed without a context at hand.
 GLUE_CDEF = """
 extern "Python" int32_t bvxpy_progress(void *, const char *, double);
+extern "Python" int32_t bvxpy_inflate(void *, const void *, uint64_t, void *, uint64_t);
 """
 # What the library makes and takes back; an older library has fewer.
-THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections")
+THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections", "volume")
 
 GLUE = """
 #include "bitvox.h"

@@ -137,6 +137,7 @@ struct bvxi_winding {
 };
 
 #define WINDING_NEAR 1e-3   /* parts of the sheet are opened until each is off by less */
+#define WINDING_COARSE 1e-2
 #define WINDING_AT_END 0.01 /* beyond what that may sum up to, mostly */
 #define WINDING_LEAST 0.001 /* the crossing stays this far inside the edge */
 
@@ -190,4 +191,10 @@ double bvxi_winding_ratio(const bvxi_winding *winding, const int32_t v[3], int32
     half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
     t = (half - from) / (to - from);
     return !(t > 0 && t < 1) ? 0.5 : t < WINDING_LEAST ? WINDING_LEAST : t > 1 - WINDING_LEAST ? 1 - WINDING_LEAST : t;
+}
+
+double bvxi_winding_off(const bvxi_winding *winding, const int64_t p[3])
+{
+    double const turns = bvxi_sheet_angle(&winding->sheet, p, WINDING_COARSE), off = turns - floor(turns + 0.5);
+    return off < 0 ? -off : off;
 }

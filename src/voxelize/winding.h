@@ -18,4 +18,7 @@ void bvxi_winding_close(bvx_context *ctx, bvxi_winding *winding);
  * has both on one side (VOTE, rows decided). Called from workers. Cost: two angles, to about 1e-3 turns. */
 double bvxi_winding_ratio(const bvxi_winding *winding, const int32_t v[3], int32_t axis);
 
+/* How far the winding number at a place of the lattice (fixed point) is from a whole number, 0 to 0.5. Called from workers. */
+double bvxi_winding_off(const bvxi_winding *winding, const int64_t p[3]);
+
 #endif

@@ -220,6 +220,7 @@ tables = (
     ("refine.md", "Refinement, and its paper's tables"),
     ("field.md", "Distance fields and repair"),
     ("peers_field.md", "Distance fields and repair by others"),
+    ("defects.md", "Repair of shapes that were spoilt"),
     ("grids.md", "Grids: set algebra, booleans of meshes"),
     ("peers_grids.md", "Grids by others"),
     ("step.md", "The repair paper's experiment"),

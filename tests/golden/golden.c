@@ -307,6 +307,7 @@ static void bare_cases(golden *g)
 #include "field_cases.h"
 #include "query_cases.h"
 #include "section_cases.h"
+#include "algebra_cases.h"
 
 static const struct {
     const char *file;
@@ -326,6 +327,7 @@ static const struct {
     {"files", file_cases},
     {"pictures", picture_cases},
     {"sections", section_cases},
+    {"algebra", algebra_cases},
 };
 
 /* ---- Files ---- */

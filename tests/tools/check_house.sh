@@ -198,13 +198,15 @@ up_to_date() {
 
 # The bundled meshes are what their generators write.
 fixtures_as_generated() {
-    for maker in make_fixture make_terrain; do
+    for maker in make_fixture make_terrain make_volume; do
         # shellcheck disable=SC2086
         $CC -std=c99 -O1 $strict -ffp-contract=off tests/tools/$maker.c -o "$work/$maker" -lm || return 1
     done
     "$work/make_fixture" "$work/mesh.ply" && cmp "$work/mesh.ply" fixtures/knot.ply &&
         "$work/make_terrain" before "$work/mesh.ply" && cmp "$work/mesh.ply" fixtures/terrain.ply &&
-        "$work/make_terrain" after "$work/mesh.ply" && cmp "$work/mesh.ply" fixtures/terrain_quarry.ply
+        "$work/make_terrain" after "$work/mesh.ply" && cmp "$work/mesh.ply" fixtures/terrain_quarry.ply &&
+        "$work/make_volume" waves "$work/samples" && cmp "$work/samples" fixtures/waves.raw &&
+        "$work/make_volume" labels "$work/samples" && cmp "$work/samples" fixtures/labels.npy
 }
 
 # shellcheck disable=SC2086

@@ -49,7 +49,6 @@ def test_labels_and_refusals():
             bitvox.from_sections(stack(), **options)
 
 
-@needs
 def test_bad_stacks_are_named():
     head = "section,position,loop,x,y\n"
 
@@ -76,7 +75,6 @@ def test_bad_stacks_are_named():
         Sections([*stack(), SQUARE]).surface()
 
 
-@needs
 def test_slices_of_a_mesh():
     ball = bitvox.surface(ball_grid(), dtype="float64")
     sections = bitvox.slice_mesh(ball, spacing=1.0)

@@ -9,12 +9,15 @@ from . import _arrays as arrays
 from ._errors import ArgumentError, EmptyError, FormatError
 from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
-from ._run import Progress, Run, choice, ffi, in_range, lib
+from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
 
 if TYPE_CHECKING:
     from .reports import Difference
 
 RULES = ("any", "all", "majority")
+DISTANCE_SIDES = ("outside", "inside", "signed")
+BEYONDS = ("nothing", "empty", "set")
+DRAIN_SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
 
 
 class Attached(NamedTuple):
@@ -406,6 +409,105 @@ class Grid:
         with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_fill(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, connectivity, made))
         return Grid._made(made)
+
+    # ---- growing, shrinking, distances ----
+
+    def _morphed(self, name: str, steps: int, neighbourhood: int, radius: float | None, beyond: bool) -> Grid:
+        options = options_of("morph_options")
+        options.neighbourhood = neighbourhood if radius is None else 0
+        options.steps = steps
+        options.radius = 0.0 if radius is None else radius
+        options.beyond = int(beyond)
+        made = new_grid()
+        with Run() as run:
+            run.check(getattr(lib, name)(run.context, self._c, options, made))
+        return Grid._made(made)
+
+    def dilate(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
+        """Voxels that have a set one among their neighbours, or within a ball.
+
+        All is done as in unbounded space and cut to the window; padding of the lattice makes room.
+
+        Args:
+            steps: how many times the neighbourhood is applied.
+            neighbourhood: 6 (across faces), 18 (and edges) or 26 (and corners).
+            radius: of a ball in place of the neighbourhood; centres at most so far count [world].
+            beyond: True when voxels beyond the window count as set.
+        """
+        return self._morphed("bvx_grid_dilate", steps, neighbourhood, radius, beyond)
+
+    def erode(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
+        """Voxels that have no empty one among their neighbours, or within a ball; arguments as for `dilate`."""
+        return self._morphed("bvx_grid_erode", steps, neighbourhood, radius, beyond)
+
+    def open(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
+        """Eroded, then dilated: without what is too thin; a part of the grid. Arguments as for `dilate`."""
+        return self._morphed("bvx_grid_open", steps, neighbourhood, radius, beyond)
+
+    def close(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
+        """Dilated, then eroded: with small gaps filled; the grid is a part of it. Arguments as for `dilate`."""
+        return self._morphed("bvx_grid_close", steps, neighbourhood, radius, beyond)
+
+    def hollow(self, thickness: float, *, drain: float = 0.0, drain_side: str = "z-low", drain_at: Sequence[float] | None = None,
+               beyond: bool = False) -> Grid:
+        """A shell of the body: its outer surface stays, voxels deeper than ``thickness`` become empty.
+
+        Args:
+            thickness: set voxels whose nearest empty centre is at most so far stay [world].
+            drain: radius of a round hole through the shell [world]; 0: none.
+            drain_side: where the hole comes from: "x-low", "x-high", "y-low", "y-high", "z-low" or "z-high".
+            drain_at: the other two coordinates of its axis [world]; None: through the middle of the hollow's layer nearest to that side.
+            beyond: True when voxels beyond the window count as set.
+
+        Returns:
+            A grid whose ``report`` has hollowed, drained (voxels) and drain (where the hole meets the hollow).
+        """
+        options, report = options_of("hollow_options"), ffi.new("bvx_hollow_report *")
+        options.thickness, options.drain_radius, options.beyond = thickness, drain, int(beyond)
+        options.drain_side = choice("drain_side", drain_side, "BVX_OPEN_", DRAIN_SIDES)
+        if drain_at is not None:
+            if len(drain_at) != 2:
+                raise ArgumentError(f"drain_at is {drain_at!r}; it takes two coordinates")
+            options.drain_placed = 1
+            options.drain_at[0], options.drain_at[1] = drain_at
+        options.report = report
+        made = new_grid()
+        with Run() as run:
+            run.check(lib.bvx_grid_hollow(run.context, self._c, options, made))
+        return Grid._made(made, record(report))
+
+    def distance(self, side: str = "outside", *, beyond: str = "nothing", dtype: str = "float32", squares: bool = False,
+                 nearest: bool = False) -> Any:
+        """Exact Euclidean distances between centres of voxels, an array ``[x, y, z]`` in memory with x running fastest.
+
+        Args:
+            side: "outside": of every centre to the nearest set one; "inside": to the nearest empty one; "signed": the first
+                less the second, negative on set voxels.
+            beyond: what lies beyond the window: "nothing", "empty" or "set".
+            dtype: "float32" or "float64" [world].
+            squares: whole numbers (uint32) of squared steps in place of lengths; for cubic voxels. 2^32 - 1: there is no such voxel.
+            nearest: also return where the distance is to: linear indices ``x + nx * (y + ny * z)``, uint64; 2^64 - 1: there is
+                none, or beyond the window.
+        """
+        np = arrays.numpy("Grid.distance")
+        options = options_of("distance_options")
+        options.side = choice("side", side, "BVX_DISTANCE_", DISTANCE_SIDES)
+        options.beyond = choice("beyond", beyond, "BVX_BEYOND_", BEYONDS)
+        kind = np.dtype("uint32" if squares else dtype)
+        if kind not in (np.dtype("uint32"), np.dtype("float32"), np.dtype("float64")) or (kind == np.uint32) != squares:
+            raise ArgumentError(f"dtype is {dtype!r}; it must be 'float32' or 'float64'")
+        values = np.empty(self.shape[::-1], kind)
+        places = np.empty(self.shape[::-1], np.uint64) if nearest else None
+        if places is not None:
+            options.nearest = ffi.cast("uint64_t *", places.ctypes.data)
+        with Run() as run:
+            if squares:
+                run.check(lib.bvx_grid_distance_squares(run.context, self._c, options, ffi.cast("uint32_t *", values.ctypes.data), values.size))
+            else:
+                number = lib.BVX_F32 if kind == np.float32 else lib.BVX_F64
+                run.check(lib.bvx_grid_distance(run.context, self._c, options, number, ffi.cast("void *", values.ctypes.data), values.size))
+        turned = values.transpose(2, 1, 0)
+        return (turned, places.transpose(2, 1, 0)) if places is not None else turned
 
     # ---- others ----
 
