@@ -332,6 +332,16 @@ typedef struct bvx_certificate {
 BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
                                   bvx_certificate *certificate);
 
+/** Normals of length 1, three floats each, outwards where the mesh is oriented so. Either array may be NULL.
+ *  vertex_normals  [Size: vertex_count * 3] the sum of the facets' normals, each counted by its area
+ *  facet_normals   [Size: triangle_count * 3] averaged 0: of each facet itself; 1: the mean of its three vertices' normals
+ *  0, 0, 1 where there is none (a vertex without facets, a facet without area).
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (index or coordinate, with its number),
+ *  BVX_ERR_MEMORY, BVX_ERR_BUDGET. Memory: 24 bytes a vertex. Cost: O(vertices + triangles).
+ *  Source: Gouraud. Continuous Shading of Curved Surfaces. 1971 */
+BVX_API bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged, float *vertex_normals,
+                                    float *facet_normals);
+
 /** Distances from random points on one mesh to the nearest points of another. */
 typedef struct bvx_distance_report {
     uint64_t samples;      /**< points taken on each side */
@@ -1638,8 +1648,9 @@ BVX_API void bvx_sections_free(bvx_context *context, bvx_sections *sections);
 /** How a body ends at its first and last section. */
 enum {
     BVX_CAPS_FLAT = 0,  /**< on the section's plane */
-    BVX_CAPS_TAPER = 1, /**< it runs to a ridge half a spacing beyond: at a height of t half spacings it is the section less all
-                             that lies within t times its half width of the contour */
+    BVX_CAPS_TAPER = 1, /**< each part (a loop with the holes in it) runs to a ridge half a spacing beyond: at a height of t half
+                             spacings it is the part less all that lies within t times its half width of its contour; also the
+                             parts of other sections that have nothing in common with the next one */
     BVX_CAPS_OPEN = 2   /**< not at all: the mesh has boundary edges there */
 };
 
@@ -1679,7 +1690,9 @@ typedef struct bvx_sections_report {
                                    sections count as cones, A h / 3 [Units: world^3] */
     uint64_t located;         /**< places in unkept */
     double unkept[16][3];     /**< the first BVX_SECTIONS_LOCATED of them [Units: world] */
-    uint64_t reserved[8];
+    uint64_t crossed_cells;   /**< cells whose triangles cross each other, looked for in those of up to 64: some where edges are unkept,
+                                   hardly any else. In the paper's way triangles of neighbouring cells cross too, uncounted */
+    uint64_t reserved[7];
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {
@@ -1707,8 +1720,10 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  * both sides of the plane use the same ones. Where an edge is crossed more than once, or a loop lies inside one cell, cells are
  * subdivided up to depth times; what is still so is counted and located, and the surface is closed there too. Between
  * planes the field is the linear blend of both sections' signed Euclidean distances, asked for only where the surface needs it.
- * On a face with four crossings the field at the point where the lines joining opposite crossings meet decides. The surface is
- * oriented, edge- and vertex-manifold, and closed but for open caps.
+ * On a face with four crossings the field at the point where the lines joining opposite crossings meet decides. A part ends half way
+ * to a section without loops; flat or open, one that has nothing in common with the next section ends where the blend says. Triangles
+ * of a cell are chosen so that they do not cross, where that is found. The surface is oriented, edge- and vertex-manifold, and closed
+ * but for open caps.
  *
  * Points off their plane keep their coordinates; the surface takes them as lying on it. [Limit: 1/1000 of the contours' extent and
  * a quarter of the way to the next plane]
@@ -1739,7 +1754,8 @@ BVX_API void bvx_slice_options_init(bvx_slice_options *options, size_t size);
 
 /** The contours of a mesh on parallel planes: where a plane meets an edge there is a point; vertices on a plane count as above it.
  *  The mesh must be closed and oriented where planes meet it (vertices at equal positions are one). Loops run with the inside on
- *  their left, seen against the normal; loops of fewer than three different points are left out.
+ *  their left, seen against the normal. Left out are loops of fewer than three different points, and those that enclose no area:
+ *  no wider than 2^-26 of the mesh's extent across the normal, twice the area by the way round.
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no plane meets the mesh), BVX_ERR_FORMAT (a loop that does not close, with its
  *  place), BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the points, 60 bytes each while a plane is
  *  cut, and 100 bytes a triangle. Cost: O(triangles log triangles + points log points). */

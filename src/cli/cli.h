@@ -122,6 +122,7 @@ typedef struct cli_options {
     int32_t layers, caps, crossings, subdivide, label; /* sections */
     const char *block_model;
     cli_triple block;
+    double close_gap;           /* between the ends of a contour */
     int32_t sign;               /* BVX_SIGN_... */
     int32_t interpolation;      /* BVX_EDGE_... */
     int32_t sharp, measure;

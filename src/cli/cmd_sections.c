@@ -24,10 +24,13 @@ static int is_contour_format(int32_t format)
 static int check_sections_options(cli_run *run)
 {
     const cli_options *const o = &run->options;
-    if (!is_contour_format(bvx_format_of_name(o->input[0])))
+    int32_t const format = cli_input_format(run, o->input[0]);
+    if (!is_contour_format(format))
         return cli_usage(run, "%s: the name ends in no contour format that is read (.csl .csv, also with .gz)", cli_input_name(o->input[0]));
     if (cli_kind_of_format(bvx_format_of_name(o->output)) != CLI_MESH || cli_is_packed(o->output))
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", o->output);
+    if (cli_given(run, "--close-gap") && format != BVX_FORMAT_CSV)
+        return cli_usage(run, "--close-gap is for .csv; loops of .csl are closed by their format");
     if (cli_given(run, "--grid") && cli_given(run, "--spacing")) return cli_usage(run, "--grid and --spacing contradict each other");
     if ((o->block_model != NULL) != (o->block.given != 0)) return cli_usage(run, "--block-model and --block go together");
     if (o->block_model != NULL) {
@@ -47,11 +50,14 @@ static int read_contours(cli_run *run, bvx_sections *sections)
     int status = cli_read_file(run, path, &b);
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) {
+        bvx_read_sections_options o;
         bvx_status read;
+        bvx_read_sections_options_init(&o, sizeof o);
+        o.close_gap = run->options.close_gap;
         cli_stage_begin(run, "parse");
-        read = bvx_read_sections(run->context, b.bytes, b.size, bvx_format_of_name(path), NULL, sections);
+        read = bvx_read_sections(run->context, b.bytes, b.size, cli_input_format(run, path), &o, sections);
         cli_stage_end(run);
-        if (read != BVX_OK) status = cli_fail_status(run, read, path);
+        if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
     }
     free(b.bytes);
     return status;
@@ -77,7 +83,7 @@ static int build_body(cli_run *run, sections_job *job)
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
     job->seconds = cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, o->input[0]);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     bvx_mesh_view_of(&job->mesh, &view);
     cli_stage_begin(run, "check");
     status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
@@ -111,18 +117,9 @@ static void add_blocks(sections_job *job, const bvx_grid *g, int32_t k, const do
             uint32_t const n = count_block(g, i, j);
             double const share = (double)n / (BLOCK_PARTS * BLOCK_PARTS * BLOCK_PARTS);
             if (n == 0) continue;
-            cli_json_number(text, low[0] + (i + 0.5) * side[0]);
-            cli_text_add(text, ",");
-            cli_json_number(text, low[1] + (j + 0.5) * side[1]);
-            cli_text_add(text, ",");
-            cli_json_number(text, low[2] + (k + 0.5) * side[2]);
-            cli_text_add(text, ",");
-            for (int a = 0; a < 3; a++) {
-                cli_json_number(text, side[a]);
-                cli_text_add(text, ",");
-            }
-            cli_json_number(text, share);
-            cli_text_add(text, "\n");
+            /* twelve digits: centres that are decimals in the user's eyes stay so */
+            cli_text_add(text, "%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.9g\n", low[0] + (i + 0.5) * side[0], low[1] + (j + 0.5) * side[1],
+                         low[2] + (k + 0.5) * side[2], side[0], side[1], side[2], share);
             job->blocks++;
             job->block_volume += share * side[0] * side[1] * side[2];
         }
@@ -200,7 +197,7 @@ static void say_body(cli_run *run, const sections_job *job)
 {
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
-    cli_say(run, "%s -> %s\n", run->options.input[0], run->options.output);
+    cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
     cli_say(run, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points", r->sections, r->loops, r->holes, r->points);
     if (r->empty_sections != 0) cli_say(run, ", %" PRIu64 " empty", r->empty_sections);
     cli_say(run, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1], r->cell[0], r->cell[1]);
@@ -209,9 +206,11 @@ static void say_body(cli_run *run, const sections_job *job)
     cli_say(run, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n", r->unkept_edges, r->unkept_loops, r->unkept_points);
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_say(run, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
+    if (r->crossed_cells != 0) cli_say(run, "  crossed     in %" PRIu64 " cells triangles cross each other\n", r->crossed_cells);
     cli_say(run, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances, r->samples,
             r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
-    cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " bodies: %s\n", c->triangles, c->vertices, c->components, verdict(c));
+    cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n", c->triangles, c->vertices, c->components,
+            c->components == 1 ? "" : "s", verdict(c));
     cli_say(run, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
     if (run->options.block_model != NULL) cli_say(run, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
     cli_say(run, "\n  time        %.1f ms\n", job->seconds * 1e3);
@@ -240,6 +239,7 @@ static void report_body(cli_run *run, const sections_job *job)
     cli_json_count(t, "unkept_edges", r->unkept_edges);
     cli_json_count(t, "unkept_loops", r->unkept_loops);
     cli_json_count(t, "unkept_points", r->unkept_points);
+    cli_json_count(t, "crossed_cells", r->crossed_cells);
     cli_text_add(t, ", \"unkept\": [");
     for (uint64_t i = 0; i < r->located; i++) {
         cli_text_add(t, i == 0 ? "[" : ", [");
@@ -295,6 +295,8 @@ const cli_command cli_sections = {
     "Reads closed contours on parallel planes (.csl; .csv with the columns section,position,loop,x,y and\n"
     "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
     "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
-    "grid, and how many distances were not needed. --block-model writes blocks with the share inside.",
+    "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"
+    "second section at one position and a section alone are refused; sections, loops and points are\n"
+    "counted from 0. --block-model writes blocks with the share inside.",
     "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
     "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1", run_sections};

@@ -92,6 +92,7 @@ const cli_command cli_slice = {
     "slice", CLI_SLICE, 1, 1, "IN -o OUT --spacing S [options]", "the contours of a mesh or grid on parallel planes",
     "Reads a closed mesh (.stl .obj .ply .off) or a grid (.npy .binvox .vox .nrrd .vti .bvx), also with\n"
     ".gz, and writes where planes meet its surface, exactly: .csl, .csv (planes across z), or a drawing\n"
-    "(.svg). 'bitvox sections' makes a body of the contours again.",
+    "(.svg). 'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, which\n"
+    "'bitvox repair' mends first, as it closes holes and turns flipped triangles.",
     "bitvox slice fixtures/knot.ply -o knot.csl --spacing 0.1\n"
     "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2", run_slice};

@@ -56,6 +56,8 @@ static const char *const sample_type_names[] = {"u8", "i8", "u16", "i16", "u32",
 /* By BVX_FORMAT_...; those that are only written have no name here. */
 static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", "", "raw", NULL};
 
+static const char *const contour_format_names[] = {"csl", "csv", NULL};
+
 static const cli_argument arguments[] = {
     FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH, output,
               "where the result goes; the ending tells the format"),
@@ -146,9 +148,11 @@ static const cli_argument arguments[] = {
           "the level of an octree that a grid is made of [the last]; with it\na .bvx file is written as a grid, not as an octree"),
     SIZE("--grid", "NxM", CLI_SECTIONS, size, 8192, "cells over the sections [auto: sides of twice the mean length of the\ncontours' segments]"),
     BETWEEN("--spacing", "S", CLI_SECTIONS, spacing, 0, 1e300, "side of a cell in the contours' unit, in place of --grid"),
+    FROM_TO("--close-gap", "G", CLI_SECTIONS, close_gap, 0, 1e300,
+            "of .csv: loops whose ends lie further apart than G are refused as open\npolylines; 0 closes all of them by a straight side [0]"),
     WHOLE("--layers", "N", CLI_SECTIONS, layers, 1, 64, "layers of cells from section to section [1]"),
     CHOICE("--caps", "HOW", CLI_SECTIONS, caps, caps_names, BVX_CAPS_FLAT,
-           "the ends: flat on the first and last section; taper to a ridge half a\nspacing beyond; open [flat]"),
+           "the ends: flat on the first and last section; taper: each part to a\nridge half a spacing beyond, also those that end in between; open [flat]"),
     CHOICE("--crossings", "HOW", CLI_SECTIONS, crossings, crossings_names, BVX_CROSSINGS_EXACT,
            "on the sections' planes: exact, by the contours themselves; paper, by\ninterpolated distances with the contours' points put in; classic,\nmarching cubes [exact]"),
     WHOLE("--subdivide", "N", CLI_SECTIONS, subdivide, 0, 8, "halve cells that a contour crosses twice on a side, N times at most [5]"),
@@ -199,7 +203,8 @@ static const cli_argument arguments[] = {
      "a sheet of N slices of the voxels across an axis, like z:16"},
     FLAG("--compare", CLI_RENDER, difference, "two inputs in one picture: what the second adds green, what it lacks red"),
     WHOLE("--turntable", "N", CLI_RENDER, turntable, 2, 360, "N pictures once round the axis of --up, to OUT_%d.png"),
-    CHOICE("--format", "NAME", CLI_ALL, format, format_names, BVX_FORMAT_STL, "format of standard input, with - as input: stl, obj, ply ..."),
+    CHOICE("--format", "NAME", CLI_SECTIONS, format, contour_format_names, BVX_FORMAT_CSL, "format of standard input, with - as input: csl or csv"),
+    CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, format_names, BVX_FORMAT_STL, "format of standard input, with - as input: stl, obj, ply ..."),
     WHOLE("--threads", "N", CLI_ALL, threads, 0, 1024, "workers, 0: all there are [0]"),
     BYTES("--memory-limit", "BYTES", CLI_ALL, memory_limit,
           "most memory for data; K, M and G are understood [none; files:\nhalf of the memory there is]"),

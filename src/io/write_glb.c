@@ -156,7 +156,7 @@ static bvx_status glb_write_with_normals(bvx_context *ctx, bvxi_glb *glb, const 
     double *sum;
     bvx_status status;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the normals", &sum));
-    bvxi_add_normals(view, sum);
+    bvxi_add_normals(view, 1.0, sum);
     glb->normal = sum;
     status = glb_make_file(ctx, glb, file);
     bvxi_free(ctx, sum, bytes);

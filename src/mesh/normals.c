@@ -6,14 +6,23 @@
 #include "mesh/facet.h"
 #include "mesh/view.h"
 
-void bvxi_add_normals(const bvx_mesh_view *view, double *sum)
+void bvxi_triangle_normal(const bvx_mesh_view *view, double scale, const uint32_t corner[3], double normal[3])
 {
-    double p[3][3], n[3];
+    double p[3][3];
+    for (int k = 0; k < 3; k++) {
+        bvxi_view_position(view, corner[k], p[k]);
+        for (int a = 0; a < 3; a++) p[k][a] *= scale;
+    }
+    bvxi_facet_normal((const double(*)[3])p, normal);
+}
+
+void bvxi_add_normals(const bvx_mesh_view *view, double scale, double *sum)
+{
+    double n[3];
     uint32_t c[3];
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         bvxi_view_triangle(view, t, c);
-        for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
-        bvxi_facet_normal((const double(*)[3])p, n);
+        bvxi_triangle_normal(view, scale, c, n);
         for (int k = 0; k < 3; k++)
             for (size_t a = 0; a < 3; a++) sum[(size_t)c[k] * 3 + a] += n[a];
     }

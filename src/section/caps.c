@@ -139,8 +139,7 @@ static int cap_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_
     return odd;
 }
 
-/* The smallest outer loop round each hole. */
-static void find_owners(const bvxi_plane *p, uint32_t *owner)
+void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
 {
     for (uint32_t h = 0; h < p->contour_count; h++) {
         double best = 0.0;
@@ -308,7 +307,7 @@ static bvx_status fill_region(cap_work *w)
 static bvx_status fill_regions(cap_work *w, uint32_t *owner)
 {
     const bvxi_plane *const p = w->plane;
-    find_owners(p, owner);
+    bvxi_plane_owners(p, owner);
     find_corners(w);
     for (uint32_t h = 0; h < p->contour_count; h++)
         if (p->contour[h].hole && owner[h] == BVXI_NONE) owner[h] = CAP_ALONE;

@@ -1,100 +1,129 @@
 /* distance2d.c - distances on a section's plane: from a place to the nearest segment of its contours.
  *
  * Groups of four segments, in the order of the loops, are the leaves of a binary heap of boxes: a loop's order keeps near things
- * together, so nothing is sorted. A search goes up from the segment that was nearest to the last place, and
- * leaves out boxes that lie no nearer. The result is the least of the same squares whatever the start. */
+ * together, so nothing is sorted. A search goes up from the segment that was nearest to the last place, and leaves out boxes that lie
+ * farther off by more than all rounding: the result is the least of the same squares whatever the start.
+ */
 #include "section/section.h"
 
 #include <math.h>
 
-enum { DISTANCE_GROUP = 4, DISTANCE_STACK = 64 };
+enum { DISTANCE_STACK = 64 };
 
-static void box_of_group(const bvxi_plane *p, uint32_t leaf, double box[4])
+#define DISTANCE_ROUNDING 4e-12
+
+static void fill_group(bvxi_plane *p, uint32_t leaf, double box[4])
 {
-    uint32_t const first = leaf * DISTANCE_GROUP;
+    uint32_t const first = leaf * BVXI_SEGMENT_GROUP;
     box[0] = box[1] = 1e300;
     box[2] = box[3] = -1e300;
-    for (uint32_t i = first; i < first + DISTANCE_GROUP && i < p->point_count; i++)
-        for (int end = 0; end < 2; end++) {
-            const double *const c = p->uv[end ? p->next[i] : i];
-            for (int k = 0; k < 2; k++) {
-                if (c[k] < box[k]) box[k] = c[k];
-                if (c[k] > box[k + 2]) box[k + 2] = c[k];
-            }
+    if (first >= p->point_count) return;
+    for (uint32_t n = 0; n < BVXI_SEGMENT_GROUP; n++) {
+        uint32_t const i = first + n < p->point_count ? first + n : first; /* the last group repeats its first segment */
+        const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
+        bvxi_segment_group *const g = &p->group[leaf];
+        g->u[n] = a[0];
+        g->v[n] = a[1];
+        g->du[n] = b[0] - a[0];
+        g->dv[n] = b[1] - a[1];
+        g->square[n] = g->du[n] * g->du[n] + g->dv[n] * g->dv[n];
+        for (int k = 0; k < 2; k++) {
+            if (a[k] < box[k]) box[k] = a[k];
+            if (a[k] > box[k + 2]) box[k + 2] = a[k];
+            if (b[k] < box[k]) box[k] = b[k];
+            if (b[k] > box[k + 2]) box[k + 2] = b[k];
         }
+    }
 }
 
-bvx_status bvxi_plane_tree(bvxi_stack *stack, bvxi_plane *p)
+void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes)
 {
-    uint32_t const groups = (p->point_count + DISTANCE_GROUP - 1) / DISTANCE_GROUP;
-    p->leaf_count = 1;
-    while (p->leaf_count < groups) p->leaf_count *= 2;
-    BVXI_TRY(bvxi_alloc(stack->ctx, BVXI_SCRATCH, (uint64_t)p->leaf_count * 2 * sizeof *p->box, "the boxes of contours", &p->box));
-    for (uint32_t i = 0; i < p->leaf_count; i++) box_of_group(p, i, p->box[p->leaf_count + i]);
+    uint64_t leaves = 1;
+    *groups = ((uint64_t)points + BVXI_SEGMENT_GROUP - 1) / BVXI_SEGMENT_GROUP;
+    while (leaves < *groups) leaves *= 2;
+    *boxes = 2 * leaves;
+}
+
+void bvxi_plane_tree(bvxi_plane *p)
+{
+    uint64_t groups, boxes;
+    bvxi_plane_tree_size(p->point_count, &groups, &boxes);
+    p->leaf_count = (uint32_t)(boxes / 2);
+    for (uint32_t i = 0; i < p->leaf_count; i++) fill_group(p, i, p->box[p->leaf_count + i]);
     for (uint32_t i = p->leaf_count; i-- > 1;)
         for (int k = 0; k < 2; k++) {
             const double *const a = p->box[2 * i], *const b = p->box[2 * i + 1];
             p->box[i][k] = a[k] < b[k] ? a[k] : b[k];
             p->box[i][k + 2] = a[k + 2] > b[k + 2] ? a[k + 2] : b[k + 2];
         }
-    return BVX_OK;
+    p->slack = 0.0;
+    for (int k = 0; k < 2 && p->point_count != 0; k++) p->slack += (p->box[1][k + 2] - p->box[1][k]) * (p->box[1][k + 2] - p->box[1][k]);
+    p->slack *= DISTANCE_ROUNDING * DISTANCE_ROUNDING;
+}
+
+/* Boxes from this square on hold nothing nearer: a computed distance d is off by less than a share of d and one of the contours' extent. */
+static inline double farthest_box(const bvxi_plane *p, double best)
+{
+    return best * (1.0 + 1e-6) + p->slack;
 }
 
 static inline double box_square(const double box[4], double u, double v)
 {
-    double const x = u < box[0] ? box[0] - u : u > box[2] ? u - box[2] : 0.0;
-    double const y = v < box[1] ? box[1] - v : v > box[3] ? v - box[3] : 0.0;
+    double const left = box[0] - u, right = u - box[2], low = box[1] - v, high = v - box[3];
+    double const side = left > right ? left : right, level = low > high ? low : high;
+    double const x = side > 0.0 ? side : 0.0, y = level > 0.0 ? level : 0.0;
     return x * x + y * y;
 }
 
-static inline double segment_square(const bvxi_plane *p, uint32_t i, double u, double v)
+/* Squares of the distances to a group of segments. */
+static inline void squares_of_group(const bvxi_segment_group *g, double u, double v, double d[BVXI_SEGMENT_GROUP])
 {
-    const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
-    double const dx = b[0] - a[0], dy = b[1] - a[1], x = u - a[0], y = v - a[1];
-    double const along = x * dx + y * dy, length = dx * dx + dy * dy;
-    double t = 0.0, ex, ey;
-    if (along > 0.0) t = along < length ? along / length : 1.0;
-    ex = x - t * dx;
-    ey = y - t * dy;
-    return ex * ex + ey * ey;
+    for (int i = 0; i < BVXI_SEGMENT_GROUP; i++) {
+        double const x = u - g->u[i], y = v - g->v[i];
+        double const along = x * g->du[i] + y * g->dv[i];
+        double const share = along / (g->square[i] > 0.0 ? g->square[i] : 1.0);
+        double const most = along < g->square[i] ? share : 1.0, t = along > 0.0 ? most : 0.0;
+        double const ex = x - t * g->du[i], ey = y - t * g->dv[i];
+        d[i] = ex * ex + ey * ey;
+    }
 }
 
-/* The least square in a group of segments, where it is less than best. */
-static double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double u, double v, double best, uint32_t *hint)
+/* The least square in a group, where it is less than best. All four are computed before any is looked at. */
+static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double u, double v, double best, uint32_t *hint)
 {
-    uint32_t const first = leaf * DISTANCE_GROUP;
-    for (uint32_t i = first; i < first + DISTANCE_GROUP && i < p->point_count; i++) {
-        double const d = segment_square(p, i, u, v);
-        if (d < best) {
-            best = d;
-            *hint = i;
-        }
-    }
-    return best;
+    double d[BVXI_SEGMENT_GROUP], least;
+    squares_of_group(&p->group[leaf], u, v, d);
+    least = d[0] < d[1] ? d[0] : d[1];
+    if (d[2] < least) least = d[2];
+    if (d[3] < least) least = d[3];
+    if (!(least < best)) return best;
+    *hint = leaf * BVXI_SEGMENT_GROUP; /* the group is all that a search begins with */
+    return least;
 }
 
 /* The same for all segments below a box. */
 static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double v, double best, uint32_t *hint)
 {
     uint32_t stack[DISTANCE_STACK], top = 0;
-    double far[DISTANCE_STACK];
+    double far[DISTANCE_STACK], limit = farthest_box(p, best);
     for (;;) {
         if (node >= p->leaf_count) {
             best = nearest_in_group(p, node - p->leaf_count, u, v, best, hint);
+            limit = farthest_box(p, best);
         } else {
             double const a = box_square(p->box[2 * node], u, v), b = box_square(p->box[2 * node + 1], u, v);
             uint32_t const near = a <= b ? 2 * node : 2 * node + 1;
             double const nearer = a <= b ? a : b, farther = a <= b ? b : a;
-            if (farther < best) {
+            if (farther < limit) {
                 far[top] = farther;
                 stack[top++] = near ^ 1;
             }
-            if (nearer < best) {
+            if (nearer < limit) {
                 node = near;
                 continue;
             }
         }
-        while (top > 0 && far[top - 1] >= best) top--;
+        while (top > 0 && far[top - 1] >= limit) top--;
         if (top == 0) return best;
         node = stack[--top];
     }
@@ -106,10 +135,37 @@ double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hi
     uint32_t node;
     double best;
     if (*hint >= p->point_count) *hint = 0;
-    node = p->leaf_count + *hint / DISTANCE_GROUP;
+    node = p->leaf_count + *hint / BVXI_SEGMENT_GROUP;
     best = nearest_in_group(p, node - p->leaf_count, u, v, 1e300, hint);
     for (; node > 1; node >>= 1)
-        if (box_square(p->box[node ^ 1], u, v) < best) best = nearest_below(p, node ^ 1, u, v, best, hint);
+        if (box_square(p->box[node ^ 1], u, v) < farthest_box(p, best)) best = nearest_below(p, node ^ 1, u, v, best, hint);
+    return sqrt(best);
+}
+
+/* From the top; boxes as near as the nearest segment are looked into too, since one with a lower number may be there. */
+double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment)
+{
+    uint32_t stack[DISTANCE_STACK], top = 0;
+    double best = 1e300;
+    *segment = BVXI_NONE;
+    stack[top++] = 1;
+    while (top > 0) {
+        uint32_t const node = stack[--top], first = (node - p->leaf_count) * BVXI_SEGMENT_GROUP;
+        double d[BVXI_SEGMENT_GROUP];
+        if (box_square(p->box[node], u, v) >= farthest_box(p, best)) continue;
+        if (node < p->leaf_count) {
+            int const low = box_square(p->box[2 * node], u, v) <= box_square(p->box[2 * node + 1], u, v);
+            stack[top++] = low ? 2 * node + 1 : 2 * node;
+            stack[top++] = low ? 2 * node : 2 * node + 1;
+            continue;
+        }
+        squares_of_group(&p->group[node - p->leaf_count], u, v, d);
+        for (uint32_t i = 0; i < BVXI_SEGMENT_GROUP && first + i < p->point_count; i++)
+            if (d[i] < best || (d[i] == best && first + i < *segment)) {
+                best = d[i];
+                *segment = first + i;
+            }
+    }
     return sqrt(best);
 }
 

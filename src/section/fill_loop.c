@@ -62,7 +62,7 @@ static int fill_by_table(const bvxi_loop_fill *l, const double *const *at, fill_
                     best = c;
                     t->split[i][j] = (uint8_t)k;
                 }
-                if (best < FILL_NEVER) best += fill_length(at[i], at[j]);
+                if (best < FILL_NEVER && gap < n - 1) best += fill_length(at[i], at[j]);
             }
             t->cost[i][j] = best;
         }
@@ -80,12 +80,12 @@ static int fill_four(const bvxi_loop_fill *l, const double *const *at, uint32_t 
 
 /* ---- a strip ---- */
 
-/* A loop of one stretch below and one above: a strip between them, always over the shorter next edge. 0 when the loop is another one, or an
- * edge would lie on a face. Nothing is made then. */
-static int fill_as_strip(const bvxi_loop_fill *l, const double *const *at, uint32_t *below, uint32_t *above, uint32_t *below_count)
+/* A loop of one stretch below and one above: below and above hold their corners, side by side. Returns how many lie below, 0 for another
+ * loop. */
+static uint32_t find_stretches(const bvxi_loop_fill *l, uint32_t *below, uint32_t *above)
 {
     uint32_t const n = l->count;
-    uint32_t start = 0, m = 0, i, j, end;
+    uint32_t start = 0, m = 0;
     while (start < n && !((l->faces[start] & FILL_BELOW) != 0 && (l->faces[start == 0 ? n - 1 : start - 1] & FILL_ABOVE) != 0)) start++;
     if (start == n) return 0;
     for (uint32_t k = 0, at_k = start; k < n; k++, at_k = at_k + 1 == n ? 0 : at_k + 1) {
@@ -93,26 +93,28 @@ static int fill_as_strip(const bvxi_loop_fill *l, const double *const *at, uint3
         else if ((l->faces[at_k] & FILL_ABOVE) != 0) above[n - 1 - k] = at_k; /* backwards: beside below */
         else return 0;
     }
-    *below_count = m;
-    end = n - m;
-    for (i = j = 0; i + 1 < m || j + 1 < end;) { /* a first walk, which only looks */
-        int const up = i + 1 < m && (j + 1 == end || fill_length(at[below[i + 1]], at[above[j]]) <= fill_length(at[below[i]], at[above[j + 1]]));
-        if (up) i++;
-        else j++;
-        if ((i + 1 < m || j + 1 < end) && (l->faces[below[i]] & l->faces[above[j]]) != 0) return 0;
-    }
-    return 1;
+    return m;
 }
 
-static bvx_status emit_strip(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at, const uint32_t *below, const uint32_t *above, uint32_t m)
+/* A strip between two stretches, always over the shorter next edge. Returns BVX_ERR_EMPTY, and makes nothing, for another loop and
+ * where an edge would lie on a face. */
+static bvx_status fill_as_strip(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at, uint32_t *below, uint32_t *above)
 {
-    uint32_t const end = l->count - m;
+    uint32_t const m = find_stretches(l, below, above), end = l->count - m;
+    uint64_t const start = s->mesh.triangle_count;
+    if (m == 0) return BVX_ERR_EMPTY;
     for (uint32_t i = 0, j = 0; i + 1 < m || j + 1 < end;) {
-        int const up = i + 1 < m && (j + 1 == end || fill_length(at[below[i + 1]], at[above[j]]) <= fill_length(at[below[i]], at[above[j + 1]]));
-        uint32_t const a = l->vertex[below[i]], b = l->vertex[above[j]];
-        BVXI_TRY(bvxi_section_add_triangle(s, a, up ? l->vertex[below[i + 1]] : l->vertex[above[j + 1]], b));
-        if (up) i++;
-        else j++;
+        uint32_t const a = below[i], b = above[j];
+        uint32_t const on = below[i + 1 < m ? i + 1 : i], beside = above[j + 1 < end ? j + 1 : j];
+        uint32_t const shorter = (uint32_t)(fill_length(at[on], at[b]) <= fill_length(at[a], at[beside]));
+        uint32_t const up = ((uint32_t)(j + 1 == end) | shorter) & (uint32_t)(i + 1 < m); /* no branch: which one comes next is a toss */
+        BVXI_TRY(bvxi_section_add_triangle(s, l->vertex[a], l->vertex[beside + (up * (on - beside))], l->vertex[b]));
+        i += up;
+        j += 1 - up;
+        if ((i + 1 < m || j + 1 < end) && (l->faces[below[i]] & l->faces[above[j]]) != 0) {
+            s->mesh.triangle_count = start;
+            return BVX_ERR_EMPTY;
+        }
     }
     return BVX_OK;
 }
@@ -167,7 +169,9 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
     for (int k = 0; k < 3; k++) middle[k] /= l->count;
     for (int k = 0; k < 2; k++) uv[k] = s->origin[k] + (l->low[k] + 0.5 * l->size) / (double)(1 << s->fine) * s->step[k];
     bvxi_section_place(s, uv[0], uv[1], 0.5 * (l->low_w + l->high_w), centre);
-    if (faces != 0) { /* off that face, by less for smaller loops: the cone over a hole stays inside that of the loop round it */
+    if (l->cone == 2) {
+        for (int k = 0; k < 3; k++) middle[k] += 0.5 * (centre[k] - middle[k]);
+    } else if (faces != 0) { /* off that face, by less for smaller loops: the cone over a hole stays inside that of the loop round it */
         double reach = 0.0, share;
         for (uint32_t i = 0; i < l->count; i++) {
             double const d = fill_length(at[i], middle);
@@ -184,23 +188,29 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
     return BVX_OK;
 }
 
-bvx_status bvxi_fill_loop(bvxi_stack *s, const bvxi_loop_fill *l)
+bvx_status bvxi_fill_loop(bvxi_stack *s, bvxi_loop_fill *l)
 {
     bvx_status status = BVX_ERR_EMPTY;
-    uint32_t common = 0xff, below;
+    uint32_t common = 0xff;
+    l->strip = 0;
     for (uint32_t i = 0; i < l->count; i++) common &= l->faces[i];
-    if (l->count == 3 && common == 0) return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
-    for (uint32_t i = 0; i < l->count; i++) l->at[i] = s->mesh.position + 3 * (uint64_t)l->vertex[i];
-    if (common != 0) return fill_by_vertex(s, l, l->at); /* flat on one face, where the neighbour has the same loop */
+    if (l->count == 3 && common == 0 && !l->cone) return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
+    for (uint32_t i = 0; i < l->count; i++) l->at[i] = bvxi_section_vertex(s, l->vertex[i]);
+    if (common != 0 || l->cone) return fill_by_vertex(s, l, l->at); /* common: flat on one face, where the neighbour has the same loop */
     if (l->count == 4) {
         uint32_t i;
         if (fill_four(l, l->at, &i)) {
             BVXI_TRY(bvxi_section_add_triangle(s, l->vertex[i], l->vertex[i + 1], l->vertex[i + 2]));
             return bvxi_section_add_triangle(s, l->vertex[i], l->vertex[i + 2], l->vertex[(i + 3) & 3]);
         }
-    } else if (l->count > FILL_FEW && fill_as_strip(l, l->at, l->next, l->before, &below)) {
-        return emit_strip(s, l, l->at, l->next, l->before, below);
-    } else if (l->count <= FILL_EXACT) {
+        return fill_by_vertex(s, l, l->at);
+    }
+    if (l->count > FILL_FEW) {
+        status = fill_as_strip(s, l, l->at, l->next, l->before);
+        l->strip = status == BVX_OK;
+        if (status != BVX_ERR_EMPTY) return status;
+    }
+    if (l->count <= FILL_EXACT) {
         fill_table t;
         if (fill_by_table(l, l->at, &t)) return emit_table(s, l, &t);
     } else if (l->count <= FILL_MOST) {

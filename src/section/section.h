@@ -36,7 +36,21 @@ typedef struct bvxi_contour {
     uint32_t first, count; /* points */
     uint32_t given;        /* number in the stack given */
     int32_t hole;
+    double end[2];         /* a part that ends below, above: how deep its inside is at most; else 0 */
 } bvxi_contour;
+
+/* An arc as stretch of the plane's ring, between two places on sides of its cell (0 low v, 1 high u, 2 high v, 3 low u). */
+typedef struct bvxi_ring_arc {
+    uint32_t from, to;       /* places in the ring; from is none where the loop lies in the cell whole */
+    uint8_t from_side, to_side;
+} bvxi_ring_arc;
+
+enum { BVXI_SEGMENT_GROUP = 4 };
+
+/* Segments as distances take them: where each begins, where it leads, the square of its length. */
+typedef struct bvxi_segment_group {
+    double u[BVXI_SEGMENT_GROUP], v[BVXI_SEGMENT_GROUP], du[BVXI_SEGMENT_GROUP], dv[BVXI_SEGMENT_GROUP], square[BVXI_SEGMENT_GROUP];
+} bvxi_segment_group;
 
 /* How a plane meets the grid's edges. */
 enum { BVXI_PLANE_EXACT, BVXI_PLANE_FIELD, BVXI_PLANE_EMPTY };
@@ -52,19 +66,31 @@ typedef struct bvxi_plane {
     uint32_t *next;
     bvxi_contour *contour;
     uint64_t *inside;        /* a bit a grid point, rows of words */
-    bvxi_line_cut *cut;           /* first those with lines of the grid, in ring order, then those of subdivided cells */
+    bvxi_line_cut *cut;      /* first those with lines of the grid, in ring order, then those of subdivided cells */
     uint32_t cut_count, cut_room, grid_cut_count;
-    bvxi_arc *arc;           /* in the cells of the grid */
-    uint32_t *arc_cell;
-    uint32_t arc_count;
+    int owns_cuts;           /* 1: an array of its own, else a stretch of all planes' */
+    bvxi_arc *arc;           /* in the cells of the grid, in the order of the cells */
+    bvxi_ring_arc *ring_arc; /* the same; once the ring is known */
+    uint32_t *arc_cell;      /* of each, see bvxi_cell_key */
+    uint32_t *asking;        /* cells whose sides the contours cross more than once, or that hold a loop; ascending */
+    uint32_t arc_count, asking_count;
     uint32_t *ring;          /* place of each point in the ring: points and cuts in the order of the loops */
     uint32_t ring_count;
     uint32_t vertex;         /* the mesh's vertex at place 0 of the ring */
+    bvxi_segment_group *group;
     double (*box)[4];        /* binary heap over groups of segments */
     uint32_t leaf_count;     /* power of two */
+    double slack;            /* what rounding may make of squares of distances */
     double area;
     int lines;               /* of a cap: points are vertices, and their segments cross nothing */
+    uint8_t ends[2];         /* some part ends below, above */
 } bvxi_plane;
+
+/* A plane without loops, where a body begins or ends between sections. */
+static inline int bvxi_plane_is_nothing(const bvxi_plane *plane)
+{
+    return plane->section == BVXI_NONE;
+}
 
 /* Vertices and triangles made so far. */
 typedef struct bvxi_section_mesh {
@@ -87,11 +113,16 @@ typedef struct bvxi_stack {
     bvxi_plane *plane;       /* ascending in w */
     uint32_t plane_count;
     bvxi_plane all;          /* arrays that the planes have stretches of */
+    uint64_t cut_room, arc_room, group_room, box_room; /* of those arrays */
     bvxi_plane nothing;      /* a plane without loops: only its bits are there */
     uint32_t slab_count;
     bvx_sections_options options;
     bvx_sections_report report;
     bvxi_section_mesh mesh;
+    bvxi_section_mesh slab_mesh; /* arrays that the slabs' meshes are stretches of */
+    const double *ring_position; /* in a slab's own view of the stack: of the vertices before those of its mesh */
+    uint32_t ring_vertices;
+    int fixed;               /* 1: a view on another thread, whose arrays do not grow and which leaves no messages */
     uint32_t (*cap_edge[2])[2]; /* in the field's way: the lines on the first and the last plane, inside on their left */
     uint32_t cap_edge_count[2], cap_edge_room[2];
 } bvxi_stack;
@@ -111,31 +142,93 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
 /* An orthonormal frame with w along normal, exact where that is an axis. */
 bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const double normal[3], double axis[3][3]);
 
-/* ---- simple.c ---- */
+/* ---- planes.c: what each plane needs, side by side ---- */
+
+/* Pieces for so many planes or slabs with so much work in all: small bodies are not worth waking a thread for. */
+static inline int32_t bvxi_section_pieces(uint64_t count, uint64_t work, uint64_t grain)
+{
+    int32_t const pieces = bvxi_piece_count(work, grain);
+    return (uint64_t)pieces < count ? pieces : (int32_t)count;
+}
+
+/* Coordinates on the plane, and bounds. */
+bvx_status bvxi_planes_place(bvxi_stack *stack);
+/* Fixed point, directions, areas, boxes, crossings with the grid. */
+bvx_status bvxi_planes_ready(bvxi_stack *stack);
+/* One plane, with messages; these are what planes are gone over again with when something is wrong. */
+bvx_status bvxi_plane_place(bvxi_stack *stack, bvxi_plane *plane, double low[2], double high[2]);
+void bvxi_plane_snap(const bvxi_stack *stack, bvxi_plane *plane);
+/* box: scratch, one a loop. */
+bvx_status bvxi_plane_direct(bvxi_stack *stack, bvxi_plane *plane, int32_t (*box)[4]);
+
+/* ---- simple.c, simple_quick.c ---- */
 
 /* Refuse loops that cross or touch themselves or others. */
 bvx_status bvxi_plane_check_simple(bvxi_stack *stack, bvxi_plane *plane);
 
+/* A segment's box and number. */
+typedef struct bvxi_segment_box {
+    int32_t left, right, low, high;
+    uint32_t segment;
+} bvxi_segment_box;
+
+/* 1 when loops surely neither cross nor touch; 0 asks for the check above. sorted, active: scratch, one a segment. */
+int bvxi_plane_is_simple(const bvxi_plane *plane, bvxi_segment_box *sorted, bvxi_segment_box *active);
+/* 1 when two segments that follow each other in no loop meet. */
+int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d);
+/* Two segments that share an end: they meet elsewhere when one folds back onto the other. */
+int bvxi_folds_back(const int32_t *shared, const int32_t *a, const int32_t *b);
+
 /* ---- arcs.c ---- */
 
-/* Cut the loops at the grid's lines; set the bits of the grid points inside. */
-bvx_status bvxi_plane_cut(bvxi_stack *stack, bvxi_plane *plane);
+/* A cell of the grid as a number that sorts like its rows. */
+static inline uint32_t bvxi_cell_key(int32_t i, int32_t j)
+{
+    return (uint32_t)j << 16 | (uint32_t)i;
+}
+
+/* Room for sorting the arcs of one plane by cell: one an arc, and one a column or row of cells and one more. */
+typedef struct bvxi_arc_scratch {
+    bvxi_arc *arc;
+    uint32_t *cell, *order[2], *start;
+} bvxi_arc_scratch;
+
+/* How many crossings and arcs there will be. */
+void bvxi_plane_count_cuts(const bvxi_stack *stack, const bvxi_plane *plane, uint64_t *cuts, uint64_t *arcs);
+/* Cut the loops at the grid's lines, into arrays that have room; set the bits of the grid points inside. */
+void bvxi_plane_cut(bvxi_stack *stack, bvxi_plane *plane, const bvxi_arc_scratch *scratch);
+/* The arcs in a cell: the first of them, and how many. */
+uint32_t bvxi_plane_arcs_in(const bvxi_plane *plane, uint32_t key, uint32_t *count);
 /* A new crossing's number. */
 bvx_status bvxi_plane_add_cut(bvxi_stack *stack, bvxi_plane *plane, uint32_t segment, int32_t axis, int32_t line, uint32_t *number);
-/* Number points and cuts along the loops, one number for cuts that are one; returns how many. */
-bvx_status bvxi_plane_ring(bvxi_stack *stack, bvxi_plane *plane);
-/* Positions of the ring's vertices. */
-bvx_status bvxi_plane_emit(bvxi_stack *stack, bvxi_plane *plane);
 /* The area inside, by the trapezoid rule about the bounds' corner. */
 double bvxi_plane_area(const bvxi_stack *stack, const bvxi_plane *plane);
 
+/* ---- rings.c ---- */
+
+/* Number points and cuts of each plane along its loops, one number for cuts that are one; they become the first vertices of the mesh. */
+bvx_status bvxi_rings_make(bvxi_stack *stack);
+
 /* ---- distance2d.c ---- */
 
-bvx_status bvxi_plane_tree(bvxi_stack *stack, bvxi_plane *plane);
+/* Groups and boxes for so many segments. */
+void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes);
+/* Fill them. */
+void bvxi_plane_tree(bvxi_plane *plane);
 /* Distance from a place to the nearest contour; *hint is a segment thought to be near, and becomes the nearest found. */
 double bvxi_plane_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint);
+/* The same distance, and the segment of least number among those that lie so near. */
+double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment);
 /* 1 when the snapped place is inside. */
 int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *plane, double u, double v);
+
+/* ---- part_ends.c: parts that end before the next section ---- */
+
+bvx_status bvxi_stack_ends(bvxi_stack *stack);
+/* Distance to the nearest contour, and its number: the least of those that lie so near. */
+double bvxi_contour_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint, uint32_t *contour);
+/* The number of the contour that a point is one of. */
+uint32_t bvxi_contour_of(const bvxi_plane *plane, uint32_t point);
 
 /* ---- fill_loop.c ---- */
 
@@ -146,17 +239,40 @@ typedef struct bvxi_loop_fill {
     const int32_t *low;      /* of the cell, in fixed point */
     int32_t size;
     double low_w, high_w;
+    int cone;                /* 1: round a vertex at the loop's middle in any case, 2: half way from there to the cell's */
+    int strip;               /* out: it became a strip from below to above */
     const double **at;       /* scratch: count each */
     uint32_t *next, *before;
 } bvxi_loop_fill;
 
 /* Triangles inside a loop whose inner edges lie on no cell face; where there are none, round a vertex inside the cell. */
-bvx_status bvxi_fill_loop(bvxi_stack *stack, const bvxi_loop_fill *loop);
+bvx_status bvxi_fill_loop(bvxi_stack *stack, bvxi_loop_fill *loop);
 
 /* ---- section_mesh.c ---- */
 
 bvx_status bvxi_section_add_vertex(bvxi_stack *stack, const double position[3], uint32_t *number);
-bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a, uint32_t b, uint32_t c);
+/* Room for more triangles than there are. */
+bvx_status bvxi_section_more_triangles(bvxi_stack *stack);
+
+static inline bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a, uint32_t b, uint32_t c)
+{
+    bvxi_section_mesh *const m = &stack->mesh;
+    uint32_t *t;
+    if (BVXI_UNLIKELY(m->triangle_count == m->triangle_room)) BVXI_TRY(bvxi_section_more_triangles(stack));
+    t = m->triangle + 3 * m->triangle_count++;
+    t[0] = a;
+    t[1] = b;
+    t[2] = c;
+    return BVX_OK;
+}
+
+/* Where a vertex is. */
+static inline const double *bvxi_section_vertex(const bvxi_stack *stack, uint32_t number)
+{
+    return number < stack->ring_vertices ? stack->ring_position + 3 * (uint64_t)number
+                                         : stack->mesh.position + 3 * (uint64_t)(number - stack->ring_vertices);
+}
+
 /* The world's place of u, v, w. */
 void bvxi_section_place(const bvxi_stack *stack, double u, double v, double w, double position[3]);
 /* Keep a place in the report. */
@@ -167,12 +283,17 @@ void bvxi_section_locate(bvxi_stack *stack, double u, double v, double w);
 /* Subdivide cells between two planes where they ask for it; adds cuts to both. */
 typedef struct bvxi_slab bvxi_slab;
 bvx_status bvxi_slabs_make(bvxi_stack *stack, bvxi_slab **slabs, uint32_t *count);
+/* The surface in all slabs: the exact way each into a mesh of its own, side by side; the field's way into the stack's. */
 bvx_status bvxi_slabs_fill(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
+/* The mesh of the rings, then of the slabs, then of what came last. */
+bvx_status bvxi_slabs_join(bvxi_stack *stack, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh);
 void bvxi_slabs_free(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 /* The section's region as triangles; side 1: seen from above, -1: from below. */
 bvx_status bvxi_cap_fill(bvxi_stack *stack, const bvxi_plane *plane, int32_t side);
 /* Twice the area of a loop in fixed point, about; less than 0 for a hole. */
 double bvxi_cap_area(const bvxi_plane *plane, const bvxi_contour *contour);
+/* The smallest outer loop round each hole, or BVXI_NONE; that of outer loops is BVXI_NONE. */
+void bvxi_plane_owners(const bvxi_plane *plane, uint32_t *owner);
 /* The same for the region within lines between vertices. */
 bvx_status bvxi_cap_fill_edges(bvxi_stack *stack, const uint32_t (*edge)[2], uint32_t count, int32_t side);
 

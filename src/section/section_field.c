@@ -1,75 +1,11 @@
 /* section_field.c - signed distances where the surface asks for them, and its crossings of the lines between two planes.
  *
  * A line over a grid point (or a corner of a subdivided cell) is crossed where the point is inside on one plane and outside on
- * the other: at the share of both distances, kept a little off the planes. A plane without loops is as deep outside
- * everywhere as the other plane's widest place is inside: the body narrows to a ridge there. */
+ * the other: at the share of both distances, kept a little off the planes. Over a part that ends (part_ends.c) the other plane counts as so
+ * deep outside as the part's widest place is inside: the body narrows to a ridge there. */
 #include "section/section_field.h"
 
 #define FIELD_MARGIN (1.0 / 1024.0)
-
-/* ---- lookup ---- */
-
-static uint32_t map_slot(const bvxi_vertex_map *m, uint64_t key)
-{
-    uint64_t h = key * UINT64_C(0x9e3779b97f4a7c15);
-    uint32_t i = (uint32_t)(h >> 32) & (m->room - 1);
-    while (m->key[i] != UINT64_MAX && m->key[i] != key) i = (i + 1) & (m->room - 1);
-    return i;
-}
-
-static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
-{
-    bvxi_vertex_map larger = {NULL, NULL, 0, 0};
-    bvx_status status;
-    larger.room = room;
-    larger.count = m->count;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 8, "the crossings of edges", &larger.key);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 4, "the crossings of edges", &larger.vertex);
-    if (status != BVX_OK) {
-        bvxi_free(s->ctx, larger.key, larger.key == NULL ? 0 : (uint64_t)room * 8);
-        return status;
-    }
-    memset(larger.key, 0xff, (size_t)room * 8);
-    for (uint32_t i = 0; i < m->room; i++)
-        if (m->key[i] != UINT64_MAX) {
-            uint32_t const at = map_slot(&larger, m->key[i]);
-            larger.key[at] = m->key[i];
-            larger.vertex[at] = m->vertex[i];
-        }
-    bvxi_map_free(s, m);
-    *m = larger;
-    return BVX_OK;
-}
-
-bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *m, uint64_t key, uint32_t **vertex)
-{
-    uint32_t at;
-    if (2 * (uint64_t)m->count >= m->room) {
-        if (m->room >= UINT32_C(1) << 30) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^29 crossings of edges", s->function);
-        BVXI_TRY(map_resize(s, m, m->room == 0 ? 64 : 2 * m->room));
-    }
-    at = map_slot(m, key);
-    if (m->key[at] == UINT64_MAX) {
-        m->key[at] = key;
-        m->vertex[at] = BVXI_NONE;
-        m->count++;
-    }
-    *vertex = &m->vertex[at];
-    return BVX_OK;
-}
-
-void bvxi_map_clear(bvxi_vertex_map *m)
-{
-    if (m->count != 0) memset(m->key, 0xff, (size_t)m->room * 8);
-    m->count = 0;
-}
-
-void bvxi_map_free(bvxi_stack *s, bvxi_vertex_map *m)
-{
-    bvxi_free(s->ctx, m->vertex, (uint64_t)m->room * 4);
-    bvxi_free(s->ctx, m->key, (uint64_t)m->room * 8);
-    memset(m, 0, sizeof *m);
-}
 
 /* ---- distances ---- */
 
@@ -81,6 +17,10 @@ double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q)
 static double grid_distance(bvxi_field *f, bvxi_plane_field *p, int32_t i, int32_t j)
 {
     size_t const n = (size_t)j * (size_t)(f->s->size[0] + 1) + (size_t)i;
+    if (p->distance == NULL) {
+        f->s->report.distances++;
+        return bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0], f->s->origin[1] + j * f->s->step[1], &p->hint);
+    }
     if ((p->known[n >> 6] >> (n & 63) & 1) == 0) {
         p->known[n >> 6] |= UINT64_C(1) << (n & 63);
         p->distance[n] = bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0], f->s->origin[1] + j * f->s->step[1], &p->hint);
@@ -101,27 +41,50 @@ static double corner_distance(bvxi_field *f, const int32_t at[2], int k)
 
 static int is_nothing(const bvxi_field *f, int k)
 {
-    return f->slab->plane[k] == &f->s->nothing;
+    return bvxi_plane_is_nothing(f->slab->plane[k]);
+}
+
+/* Where the part of plane k that is nearest to a place ends before the other plane: its depth, and the distance to it; else 0. */
+static double ending_part(bvxi_field *f, int k, double u, double v, double *distance)
+{
+    const bvxi_plane *const p = f->slab->plane[k];
+    uint32_t contour;
+    if (!p->ends[1 - k]) return 0.0;
+    f->s->report.distances++;
+    *distance = bvxi_contour_distance(p, u, v, &f->plane[k].hint, &contour);
+    return p->contour[contour].end[1 - k];
+}
+
+/* How deep outside on plane k the inside of a part is that ends, so that its deepest places end half way between two sections: a plane
+ * without loops lies there already. */
+static double ending_depth(const bvxi_field *f, int k, double off, double depth)
+{
+    return (is_nothing(f, k) ? depth : 2.0 * depth) - (off < depth ? off : depth);
+}
+
+/* The value on plane k at a place outside, which lies d from its contours, if it has some. */
+static double outside_value(bvxi_field *f, int k, double u, double v, double d)
+{
+    double off, mine, depth = ending_part(f, 1 - k, u, v, &off);
+    if (!(depth > 0.0)) return -d;
+    if (bvxi_plane_inside(f->s, f->slab->plane[1 - k], u, v)) return -ending_depth(f, k, off, depth);
+    if (!is_nothing(f, k) && d < off && ending_part(f, k, u, v, &mine) > 0.0) return -d; /* a part that ends the other way is nearer */
+    return -off - (is_nothing(f, k) ? depth : 2.0 * depth);
 }
 
 double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside)
 {
-    double d;
-    if (is_nothing(f, k)) {
-        int const other = bvxi_grid_bit(f->s, f->slab->plane[1 - k], at[0] >> f->s->fine, at[1] >> f->s->fine);
-        return bvxi_field_corner(f, at, 1 - k, other) - f->depth;
-    }
-    d = corner_distance(f, at, k);
-    return inside ? d : -d;
+    double const d = is_nothing(f, k) ? 0.0 : corner_distance(f, at, k);
+    return inside ? d : outside_value(f, k, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]), d);
 }
 
 static double plane_at(bvxi_field *f, int k, double u, double v)
 {
     double d;
-    if (is_nothing(f, k)) return plane_at(f, 1 - k, u, v) - f->depth;
+    if (is_nothing(f, k)) return outside_value(f, k, u, v, 0.0);
     f->s->report.distances++;
     d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
-    return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : -d;
+    return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : outside_value(f, k, u, v, d);
 }
 
 double bvxi_field_at(bvxi_field *f, double u, double v, double t)
@@ -132,15 +95,21 @@ double bvxi_field_at(bvxi_field *f, double u, double v, double t)
 
 /* ---- crossings of lines ---- */
 
-/* Where the line over a point is crossed, as a share of the way, and between which levels. */
-static double line_share(bvxi_field *f, const int32_t at[2], uint8_t *layer)
+/* Both distances on the line over a place in a part that ends before the other plane, which it is inside on; 0 for other places. */
+static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
 {
-    double d[2], t;
+    double off, depth = ending_part(f, from, u, v, &off);
+    if (!(depth > 0.0)) return 0;
+    d[from] = off;
+    d[1 - from] = ending_depth(f, 1 - from, off, depth);
+    return 1;
+}
+
+/* Where a line is crossed, as a share of the way, and between which levels; distances on both planes. */
+static double line_share(const bvxi_field *f, const double d[2], uint8_t *layer)
+{
+    double t = d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     int32_t l = 0;
-    for (int k = 0; k < 2; k++) d[k] = is_nothing(f, k) ? 0.0 : corner_distance(f, at, k);
-    for (int k = 0; k < 2; k++)
-        if (is_nothing(f, k)) d[k] = f->depth - d[1 - k];
-    t = d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     if (f->layers > 1) {
         t *= f->layers;
         l = t >= f->layers ? f->layers - 1 : t > 0.0 ? (int32_t)t : 0;
@@ -152,70 +121,116 @@ static double line_share(bvxi_field *f, const int32_t at[2], uint8_t *layer)
     return (l + t) / f->layers;
 }
 
-static bvx_status cross_over(bvxi_field *f, const int32_t at[2], uint8_t *layer, uint32_t *vertex)
+static bvx_status cross_over(bvxi_field *f, double u, double v, const double d[2], uint8_t *layer, uint32_t *vertex)
 {
     const double *const w = f->slab->w;
-    double const t = line_share(f, at, layer);
+    double const t = line_share(f, d, layer);
     double place[3];
-    bvxi_section_place(f->s, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]), w[0] + t * (w[1] - w[0]), place);
+    bvxi_section_place(f->s, u, v, w[0] + t * (w[1] - w[0]), place);
     return bvxi_section_add_vertex(f->s, place, vertex);
 }
 
-/* Call it for every grid point whose line is crossed. */
-static bvx_status each_crossed(bvxi_field *f, bvx_status (*visit)(bvxi_field *f, const int32_t at[2], size_t number))
+/* From what was nearest to the last place of this column or one beside it; columns are numbered from 1. */
+static void start_near(bvxi_plane_field *p, int32_t i)
+{
+    const bvxi_column_hint *best = &p->column[i + 1];
+    if (p->column[i].row > best->row) best = &p->column[i];
+    if (p->column[i + 2].row > best->row) best = &p->column[i + 2];
+    if (best->row >= 0) p->hint = best->segment;
+}
+
+/* Distances on the lines over parts that end; those of other lines are left less than 0, to be measured. */
+static void measure_ends(bvxi_field *f)
 {
     bvxi_stack *const s = f->s;
+    uint32_t n = 0;
     for (int32_t j = 0; j <= s->size[1]; j++)
-        for (int32_t k = 0; k < s->words; k++) {
-            uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)k];
-            for (int32_t i = 64 * k; bits != 0; i++, bits >>= 1) {
-                int32_t at[2];
-                while ((bits & 0xff) == 0) {
-                    bits >>= 8;
-                    i += 8;
-                }
-                if ((bits & 1) == 0) continue;
-                at[0] = (int32_t)((uint32_t)i << s->fine);
-                at[1] = (int32_t)((uint32_t)j << s->fine);
-                BVXI_TRY(visit(f, at, (size_t)j * (size_t)(s->size[0] + 1) + (size_t)i));
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1, n++) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                double d[2] = {-1.0, -1.0};
+                for (int k = 0; k < 2; k++)
+                    if (is_nothing(f, k)) d[k] = 0.0;
+                (void)ending_line(f, !bvxi_grid_bit(s, f->slab->plane[0], i, j), s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d);
+                f->line[0][n] = d[0];
+                f->line[1][n] = d[1];
             }
-        }
+}
+
+/* Distances of all crossed lines on one plane. The search begins at what was nearest to the place just before, or above, so it
+ * seldom goes far. ends: some are known. */
+static void measure_lines(bvxi_field *f, int k, int ends)
+{
+    bvxi_stack *const s = f->s;
+    bvxi_plane_field *const p = &f->plane[k];
+    double *const d = f->line[k];
+    uint32_t n = 0;
+    for (int32_t i = 0; i <= s->size[0] + 2; i++) p->column[i].row = -1;
+    for (int32_t j = 0; j <= s->size[1]; j++) {
+        int32_t last = INT32_MIN / 2;
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1, n++) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                if (ends && d[n] >= 0.0) continue;
+                if (i - last > 1) start_near(p, i);
+                d[n] = grid_distance(f, p, i, j);
+                p->column[i + 1].segment = p->hint;
+                p->column[i + 1].row = j;
+                last = i;
+            }
+    }
+}
+
+static bvx_status cross_grid_lines(bvxi_field *f)
+{
+    bvxi_stack *const s = f->s;
+    uint32_t n = 0;
+    f->first = s->ring_vertices + (uint32_t)s->mesh.vertex_count;
+    for (int32_t j = 0; j <= s->size[1]; j++)
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1, n++) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                double const d[2] = {f->line[0][n], f->line[1][n]};
+                uint32_t vertex;
+                uint8_t layer;
+                BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d, &layer, &vertex));
+                if (f->layers > 1) f->layer[n] = layer;
+            }
     return BVX_OK;
 }
 
-static bvx_status cross_grid_point(bvxi_field *f, const int32_t at[2], size_t number)
+static bvx_status cross_hanging_lines(bvxi_field *f)
 {
-    uint8_t layer;
-    BVXI_TRY(cross_over(f, at, &layer, &f->vertex[number]));
-    if (f->layers > 1) f->layer[number] = layer;
-    return BVX_OK;
-}
-
-static bvx_status deepen(bvxi_field *f, const int32_t at[2], size_t number)
-{
-    double const d = corner_distance(f, at, is_nothing(f, 0));
-    (void)number;
-    if (d > f->depth) f->depth = d;
+    bvxi_slab *const slab = f->slab;
+    for (uint32_t i = 0; i < slab->hanging_count; i++) {
+        bvxi_hanging *const h = &slab->hanging[i];
+        double const u = bvxi_fixed_u(f->s, 0, h->at[0]), v = bvxi_fixed_u(f->s, 1, h->at[1]);
+        double d[2] = {0.0, 0.0};
+        if (h->inside[0] == h->inside[1]) continue;
+        if (!ending_line(f, !h->inside[0], u, v, d))
+            for (int k = 0; k < 2; k++)
+                if (!is_nothing(f, k)) d[k] = corner_distance(f, h->at, k);
+        BVXI_TRY(cross_over(f, u, v, d, &h->layer, &h->vertex));
+    }
     return BVX_OK;
 }
 
 static bvx_status cross_lines(bvxi_field *f)
 {
-    bvxi_slab *const slab = f->slab;
+    const bvxi_slab *const slab = f->slab;
     size_t const words = (size_t)(f->s->size[1] + 1) * (size_t)f->s->words;
-    for (size_t i = 0; i < words; i++) f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
-    f->depth = 0.0;
-    if (is_nothing(f, 0) || is_nothing(f, 1)) {
-        BVXI_TRY(each_crossed(f, deepen));
-        for (uint32_t i = 0; i < slab->hanging_count; i++)
-            if (slab->hanging[i].inside[0] != slab->hanging[i].inside[1]) BVXI_TRY(deepen(f, slab->hanging[i].at, 0));
+    int const ends = slab->plane[0]->ends[1] || slab->plane[1]->ends[0];
+    f->lines = 0;
+    for (size_t i = 0; i < words; i++) {
+        f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
+        f->before[i] = f->lines;
+        f->lines += bvxi_popcount(f->crossed[i]);
     }
-    BVXI_TRY(each_crossed(f, cross_grid_point));
-    for (uint32_t i = 0; i < slab->hanging_count; i++) {
-        bvxi_hanging *const h = &slab->hanging[i];
-        if (h->inside[0] != h->inside[1]) BVXI_TRY(cross_over(f, h->at, &h->layer, &h->vertex));
-    }
-    return BVX_OK;
+    if (ends) measure_ends(f);
+    for (int k = 0; k < 2; k++)
+        if (!is_nothing(f, k)) measure_lines(f, k, ends);
+    BVXI_TRY(cross_grid_lines(f));
+    return cross_hanging_lines(f);
 }
 
 /* ---- slabs ---- */
@@ -225,18 +240,36 @@ static uint64_t known_bytes(const bvxi_stack *s)
     return (((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1) + 63) / 64 * 8;
 }
 
+static uint64_t column_bytes(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[0] + 3) * sizeof(bvxi_column_hint);
+}
+
 static void set_plane(bvxi_field *f, bvxi_plane_field *p, const bvxi_plane *plane)
 {
     p->plane = plane;
     p->hint = 0;
-    memset(p->known, 0, (size_t)known_bytes(f->s));
+    if (p->known != NULL) memset(p->known, 0, (size_t)known_bytes(f->s));
+}
+
+static void index_hanging(bvxi_field *f)
+{
+    const bvxi_slab *const slab = f->slab;
+    for (int k = 0; k < 2; k++) {
+        uint32_t *const start = k == 0 ? f->hanging_column : f->hanging_row;
+        uint32_t n = 0;
+        for (int32_t i = 0; i < f->s->size[k] + 2; i++) {
+            while (n < slab->hanging_count && slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i) n++;
+            start[i] = n;
+        }
+    }
 }
 
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 {
     f->slab = slab;
-    f->layers = slab->plane[0] == &f->s->nothing || slab->plane[1] == &f->s->nothing ? 1 : f->s->options.layers;
-    if (f->plane[1].plane == slab->plane[0]) { /* what was above is below now */
+    f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.layers;
+    if (f->s->options.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) { /* what was above is below now */
         bvxi_plane_field const up = f->plane[1];
         f->plane[1] = f->plane[0];
         f->plane[0] = up;
@@ -244,33 +277,44 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
         set_plane(f, &f->plane[0], slab->plane[0]);
     }
     set_plane(f, &f->plane[1], slab->plane[1]);
+    if (slab->hanging_count != 0) index_hanging(f);
     return cross_lines(f);
 }
 
-bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f)
+bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
 {
-    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
+    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1), words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
     memset(f, 0, sizeof *f);
     f->s = s;
+    f->line_room = lines;
     for (int k = 0; k < 2; k++) {
+        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, column_bytes(s), "the distances of a section", &f->plane[k].column));
+        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section", &f->line[k]));
+        if (s->options.crossings == BVX_CROSSINGS_EXACT && s->options.layers == 1) continue;
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the distances of a section", &f->plane[k].distance));
         BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, known_bytes(s), "the distances of a section", &f->plane[k].known));
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 4, "the crossings of lines", &f->vertex));
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, points, "the crossings of lines", &f->layer));
-    return bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8, "the crossed lines", &f->crossed);
+    if (s->options.layers > 1) BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, lines, "the crossings of lines", &f->layer));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[0] + 2) * 4, "the corners of cells", &f->hanging_column));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 2) * 4, "the corners of cells", &f->hanging_row));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 4, "the crossed lines", &f->before));
+    return bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 8, "the crossed lines", &f->crossed);
 }
 
 void bvxi_field_close(bvxi_field *f)
 {
     bvxi_stack *const s = f->s;
-    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
-    bvxi_free(s->ctx, f->crossed, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8);
-    bvxi_free(s->ctx, f->layer, points);
-    bvxi_free(s->ctx, f->vertex, points * 4);
+    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1), words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+    bvxi_free(s->ctx, f->crossed, words * 8);
+    bvxi_free(s->ctx, f->before, words * 4);
+    bvxi_free(s->ctx, f->hanging_row, ((uint64_t)s->size[1] + 2) * 4);
+    bvxi_free(s->ctx, f->hanging_column, ((uint64_t)s->size[0] + 2) * 4);
+    bvxi_free(s->ctx, f->layer, f->line_room);
     for (int k = 2; k-- > 0;) {
         bvxi_free(s->ctx, f->plane[k].known, known_bytes(s));
         bvxi_free(s->ctx, f->plane[k].distance, points * 8);
+        bvxi_free(s->ctx, f->line[k], (uint64_t)f->line_room * 8);
+        bvxi_free(s->ctx, f->plane[k].column, column_bytes(s));
     }
     memset(f, 0, sizeof *f);
 }

@@ -6,6 +6,8 @@
 
 #include "section/slab.h"
 
+#include "bits/bits.h"
+
 /* Vertices by a key; a lookup alone, so the order of keys does not matter. */
 typedef struct bvxi_vertex_map {
     uint64_t *key;       /* UINT64_MAX: free */
@@ -13,11 +15,18 @@ typedef struct bvxi_vertex_map {
     uint32_t room, count;
 } bvxi_vertex_map;
 
+/* The segment that was nearest to the last place in a column; row -1: none yet. */
+typedef struct bvxi_column_hint {
+    uint32_t segment;
+    int32_t row;
+} bvxi_column_hint;
+
 /* Distances of one plane's grid points, computed when asked for. */
 typedef struct bvxi_plane_field {
     const bvxi_plane *plane;
-    double *distance;
+    double *distance;    /* where they may be asked for again: field levels; else none */
     uint64_t *known;     /* a bit a grid point */
+    bvxi_column_hint *column; /* of each column of grid points, with one more on either side */
     uint32_t hint;
 } bvxi_plane_field;
 
@@ -25,14 +34,19 @@ typedef struct bvxi_field {
     bvxi_stack *s;
     bvxi_slab *slab;
     int32_t layers;
-    double depth;            /* of a plane without loops: what its field lies below the other plane's */
     bvxi_plane_field plane[2];
-    uint32_t *vertex;        /* over each grid point: where the surface crosses the line to the plane above */
-    uint8_t *layer;          /* and between which levels; layers > 1 */
-    uint64_t *crossed;       /* grid points whose line is crossed */
+    uint64_t *crossed;       /* grid points whose line to the plane above is crossed; crossings are numbered in their order */
+    uint32_t *before;        /* a word of them each: crossings before it */
+    uint32_t first;          /* the vertex of the first */
+    uint32_t lines, line_room;
+    double *line[2];         /* crossings each: distances on both planes */
+    uint32_t *hanging_row;   /* the slab's first hanging corner in each row of the grid or behind, and one more */
+    uint32_t *hanging_column; /* the same by column, in the order of by_u */
+    uint8_t *layer;          /* and between which levels it lies; layers > 1 */
 } bvxi_field;
 
-bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f);
+/* lines: the most crossings of a slab. */
+bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines);
 void bvxi_field_close(bvxi_field *f);
 /* Go to a slab: crossings of its lines become vertices. */
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab);
@@ -40,9 +54,20 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab);
 double bvxi_field_at(bvxi_field *f, double u, double v, double t);
 /* Signed distances at a point of the grid or a corner of a cell on plane k, its side given. */
 double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside);
+/* The number of a grid point's crossing among all of the slab. */
+static inline uint32_t bvxi_line_number(const bvxi_field *f, int32_t i, int32_t j)
+{
+    size_t const word = (size_t)j * (size_t)f->s->words + (size_t)(i >> 6);
+    return f->before[word] + bvxi_popcount(f->crossed[word] & ((UINT64_C(1) << (i & 63)) - 1));
+}
+
 double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q);
 
+/* ---- vertex_map.c ---- */
+
 bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *map, uint64_t key, uint32_t **vertex);
+/* Room for the first of them. */
+bvx_status bvxi_map_open(bvxi_stack *s, bvxi_vertex_map *map);
 void bvxi_map_clear(bvxi_vertex_map *map);
 void bvxi_map_free(bvxi_stack *s, bvxi_vertex_map *map);
 

@@ -71,15 +71,11 @@ static void measure_prismoids(bvxi_stack *s)
 /* Vertices of the planes: rings, or in the field's way none until they are needed. */
 static bvx_status make_rings(bvxi_stack *s)
 {
+    if (s->options.crossings == BVX_CROSSINGS_EXACT) return bvxi_rings_make(s);
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
-        if (s->options.crossings != BVX_CROSSINGS_EXACT) {
-            memset(p->ring, 0xff, (size_t)p->point_count * 4);
-            s->report.unkept_points += p->point_count;
-            continue;
-        }
-        BVXI_TRY(bvxi_plane_ring(s, p));
-        BVXI_TRY(bvxi_plane_emit(s, p));
+        memset(p->ring, 0xff, (size_t)p->point_count * 4);
+        s->report.unkept_points += p->point_count;
     }
     return BVX_OK;
 }
@@ -96,30 +92,17 @@ static bvx_status make_caps(bvxi_stack *s)
     return BVX_OK;
 }
 
-static bvx_status give_mesh(bvxi_stack *s, bvx_mesh *mesh)
-{
-    const bvxi_section_mesh *const m = &s->mesh;
-    if (m->triangle_count == 0)
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: no point of the grid of %d by %d cells lies inside; take a finer one", sections_name,
-                         (int64_t)s->size[0], (int64_t)s->size[1]);
-    BVXI_TRY(bvxi_mesh_open(s->ctx, sections_name, s->options.position_type, 0, m->vertex_count, m->triangle_count, mesh));
-    memcpy(mesh->triangles, m->triangle, (size_t)m->triangle_count * 12);
-    if (s->options.position_type == BVX_F64) memcpy(mesh->positions, m->position, (size_t)m->vertex_count * 24);
-    else
-        for (uint64_t i = 0; i < 3 * m->vertex_count; i++) ((float *)mesh->positions)[i] = (float)m->position[i];
-    return BVX_OK;
-}
-
 static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 {
     bvxi_slab *slabs = NULL;
     uint32_t count = 0;
     bvx_status status = bvxi_slabs_make(s, &slabs, &count);
+    if (status == BVX_OK) status = bvxi_stack_ends(s);
     if (status == BVX_OK) status = make_rings(s);
     if (status == BVX_OK) status = bvxi_slabs_fill(s, slabs, s->slab_count);
-    bvxi_slabs_free(s, slabs, count);
     if (status == BVX_OK) status = make_caps(s);
-    if (status == BVX_OK) status = give_mesh(s, mesh);
+    if (status == BVX_OK) status = bvxi_slabs_join(s, slabs, s->slab_count, mesh);
+    bvxi_slabs_free(s, slabs, count);
     return status;
 }
 

@@ -47,15 +47,14 @@ static int is_on(const int32_t *a, const int32_t *b, const int32_t *c)
     return is_between(a[0], b[0], c[0]) && is_between(a[1], b[1], c[1]);
 }
 
-static int segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
+int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
 {
     int const ca = turn_sign(a, b, c), da = turn_sign(a, b, d), ac = turn_sign(c, d, a), bc = turn_sign(c, d, b);
     if (ca * da < 0 && ac * bc < 0) return 1;
     return (ca == 0 && is_on(a, b, c)) || (da == 0 && is_on(a, b, d)) || (ac == 0 && is_on(c, d, a)) || (bc == 0 && is_on(c, d, b));
 }
 
-/* Two segments that share an end: they meet elsewhere when one folds back onto the other. */
-static int folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
+int bvxi_folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
 {
     int64_t const dot = ((int64_t)a[0] - shared[0]) * ((int64_t)b[0] - shared[0]) + ((int64_t)a[1] - shared[1]) * ((int64_t)b[1] - shared[1]);
     return turn_sign(shared, a, b) == 0 && dot > 0;
@@ -66,25 +65,14 @@ static int pair_meets(const bvxi_plane *p, const uint32_t *place, uint32_t i, ui
     uint32_t const in = p->next[i], jn = p->next[j];
     int const after = place[in] == place[j], before = place[jn] == place[i];
     if (after && before) return 1; /* there and back: two different segments between the same two points */
-    if (after) return folds_back(p->q[j], p->q[i], p->q[jn]);
-    if (before) return folds_back(p->q[i], p->q[in], p->q[j]);
-    return segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
-}
-
-static uint32_t loop_of_point(const bvxi_plane *p, uint32_t i)
-{
-    uint32_t low = 0, high = p->contour_count;
-    while (high - low > 1) {
-        uint32_t const middle = low + (high - low) / 2;
-        if (p->contour[middle].first <= i) low = middle;
-        else high = middle;
-    }
-    return p->contour[low].given;
+    if (after) return bvxi_folds_back(p->q[j], p->q[i], p->q[jn]);
+    if (before) return bvxi_folds_back(p->q[i], p->q[in], p->q[j]);
+    return bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
 }
 
 static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, uint32_t j)
 {
-    uint64_t const a = loop_of_point(p, i), b = loop_of_point(p, j);
+    uint64_t const a = p->contour[bvxi_contour_of(p, i)].given, b = p->contour[bvxi_contour_of(p, j)].given;
     const bvx_section_loop *const la = &s->given->loops[a], *const lb = &s->given->loops[b];
     uint64_t const pa = p->given[i] - la->first_point, pb = p->given[j] - lb->first_point;
     if (a == b)

@@ -10,41 +10,10 @@ bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_
 {
     uint64_t const larger = *room < 64 ? 64 : (uint64_t)*room + *room / 2;
     if (larger > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", s->function, what);
+    if (s->fixed) return BVX_ERR_BUDGET;
     BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
     *room = (uint32_t)larger;
     return BVX_OK;
-}
-
-/* ---- arcs by cell ---- */
-
-bvx_status bvxi_cell_arcs_open(bvxi_stack *s, bvxi_cell_arcs *lists)
-{
-    uint64_t const cells = (uint64_t)s->size[0] * (uint64_t)s->size[1];
-    memset(lists, 0, sizeof *lists);
-    for (uint32_t i = 0; i < s->plane_count; i++)
-        if (s->plane[i].arc_count > lists->link_room) lists->link_room = s->plane[i].arc_count;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells * 4, "the arcs of cells", &lists->head));
-    memset(lists->head, 0xff, (size_t)cells * 4);
-    return bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)lists->link_room * 4, "the arcs of cells", &lists->link);
-}
-
-void bvxi_cell_arcs_set(bvxi_cell_arcs *lists, const bvxi_plane *plane)
-{
-    if (lists->plane != NULL)
-        for (uint32_t i = 0; i < lists->plane->arc_count; i++) lists->head[lists->plane->arc_cell[i]] = BVXI_NONE;
-    lists->plane = plane;
-    if (plane == NULL) return;
-    for (uint32_t i = plane->arc_count; i-- > 0;) {
-        lists->link[i] = lists->head[plane->arc_cell[i]];
-        lists->head[plane->arc_cell[i]] = i;
-    }
-}
-
-void bvxi_cell_arcs_close(bvxi_stack *s, bvxi_cell_arcs *lists)
-{
-    bvxi_free(s->ctx, lists->link, (uint64_t)lists->link_room * 4);
-    bvxi_free(s->ctx, lists->head, (uint64_t)s->size[0] * (uint64_t)s->size[1] * 4);
-    memset(lists, 0, sizeof *lists);
 }
 
 /* ---- points on sides ---- */
@@ -54,92 +23,113 @@ static uint64_t hanging_key(const bvxi_hanging *h, int first)
     return (uint64_t)(uint32_t)h->at[first] << 32 | (uint32_t)h->at[1 - first];
 }
 
-static bvx_status sort_hanging(bvxi_stack *s, bvxi_slab *slab, uint64_t *key, uint32_t *order, bvxi_hanging *sorted)
+static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
 {
     uint32_t const n = slab->hanging_count;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < n; i++) {
-        key[i] = hanging_key(&slab->hanging[i], 1);
-        order[i] = i;
+        w->key[i] = hanging_key(&slab->hanging[i], 1);
+        w->order[i] = i;
     }
-    BVXI_TRY(bvxi_radix_sort(s->ctx, key, order, n));
+    BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, n));
     for (uint32_t i = 0; i < n; i++)
-        if (i == 0 || key[i] != key[i - 1]) sorted[kept++] = slab->hanging[order[i]];
-    memcpy(slab->hanging, sorted, kept * sizeof *sorted);
+        if (i == 0 || w->key[i] != w->key[i - 1]) w->sorted[kept++] = slab->hanging[w->order[i]];
     slab->hanging_count = kept;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)slab->hanging_room * 4, "the corners of cells", &slab->by_u));
     for (uint32_t i = 0; i < kept; i++) {
-        key[i] = hanging_key(&slab->hanging[i], 0);
-        slab->by_u[i] = i;
+        w->key[i] = hanging_key(&w->sorted[i], 0);
+        w->order[i] = i;
     }
-    return bvxi_radix_sort(s->ctx, key, slab->by_u, kept);
+    return bvxi_radix_sort(w->s->ctx, w->key, w->order, kept);
 }
 
-static bvx_status order_hanging(bvxi_stack *s, bvxi_slab *slab)
+static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
 {
-    uint64_t const n = slab->hanging_count;
-    uint64_t *key = NULL;
-    uint32_t *order = NULL;
-    bvxi_hanging *sorted = NULL;
-    bvx_status status;
+    bvxi_stack *const s = w->s;
+    uint32_t const n = slab->hanging_count;
     if (n == 0) return BVX_OK;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of corners", &key);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of corners", &order);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * sizeof *sorted, "the order of corners", &sorted);
-    if (status == BVX_OK) status = sort_hanging(s, slab, key, order, sorted);
-    bvxi_free(s->ctx, sorted, n * sizeof *sorted);
-    bvxi_free(s->ctx, order, n * 4);
-    bvxi_free(s->ctx, key, n * 8);
-    return status;
+    while (w->key_room < n) BVXI_TRY(bvxi_slab_enlarge(s, &w->key, &w->key_room, sizeof *w->key, "the order of corners"));
+    while (w->order_room < n) BVXI_TRY(bvxi_slab_enlarge(s, &w->order, &w->order_room, sizeof *w->order, "the order of corners"));
+    while (w->sorted_room < n) BVXI_TRY(bvxi_slab_enlarge(s, &w->sorted, &w->sorted_room, sizeof *w->sorted, "the order of corners"));
+    return sort_hanging(w, slab);
+}
+
+/* Copy a part of the slab's block; all of them are of four byte numbers or less. */
+static unsigned char *keep_part(unsigned char *to, const void *from, uint64_t bytes)
+{
+    if (bytes != 0) memcpy(to, from, (size_t)bytes);
+    return to + bytes;
+}
+
+/* What was grown, into one block of the slab's own. */
+static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
+{
+    const bvxi_slab *const g = &w->grown;
+    uint64_t const split = g->split_count * sizeof *g->split, leaf = g->leaf_count * sizeof *g->leaf, arc = g->arc_count * sizeof *g->arc;
+    uint64_t const hanging = g->hanging_count * sizeof *g->hanging, by_u = (uint64_t)g->hanging_count * 4;
+    unsigned char *at;
+    if (g->split_count == 0) return BVX_OK;
+    slab->block_size = split + leaf + arc + hanging + by_u;
+    BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, slab->block_size, "the parts of cells", &slab->block));
+    slab->split_count = g->split_count;
+    slab->leaf_count = g->leaf_count;
+    slab->arc_count = g->arc_count;
+    slab->hanging_count = g->hanging_count;
+    at = slab->block;
+    slab->split = (bvxi_split *)(void *)at;
+    at = keep_part(at, g->split, split);
+    slab->leaf = (bvxi_leaf *)(void *)at;
+    at = keep_part(at, g->leaf, leaf);
+    slab->arc = (bvxi_arc *)(void *)at;
+    at = keep_part(at, g->arc, arc);
+    slab->hanging = (bvxi_hanging *)(void *)at;
+    at = keep_part(at, w->sorted, hanging);
+    slab->by_u = (uint32_t *)(void *)at;
+    keep_part(at, w->order, by_u);
+    return BVX_OK;
 }
 
 /* ---- all slabs ---- */
 
-/* Cells in the order of their numbers: those of arcs below, then those that only arcs above are in, sorted afterwards. */
-static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab, uint64_t *touched)
+/* Cells that either plane asks for, in order. */
+static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
 {
-    bvxi_stack *const s = w->s;
-    w->slab = slab;
-    for (int k = 0; k < 2; k++) {
-        const bvxi_plane *const p = slab->plane[k];
-        bvxi_cell_arcs_set(&w->lists[k], p);
-        for (uint32_t i = 0; i < p->arc_count; i++) touched[p->arc_cell[i] >> 6] |= UINT64_C(1) << (p->arc_cell[i] & 63);
+    const bvxi_plane *const below = slab->plane[0], *const above = slab->plane[1];
+    uint32_t i = 0, j = 0;
+    bvxi_slab *const g = &w->grown;
+    w->slab = g;
+    g->plane[0] = slab->plane[0];
+    g->plane[1] = slab->plane[1];
+    g->split_count = g->leaf_count = g->arc_count = g->hanging_count = 0;
+    while (i < below->asking_count || j < above->asking_count) {
+        uint32_t const a = i < below->asking_count ? below->asking[i] : UINT32_MAX, b = j < above->asking_count ? above->asking[j] : UINT32_MAX;
+        i += a <= b;
+        j += b <= a;
+        BVXI_TRY(bvxi_split_grid_cell(w, (int32_t)((a < b ? a : b) & 0xffff), (int32_t)((a < b ? a : b) >> 16)));
     }
-    for (uint64_t i = 0; i < ((uint64_t)s->size[0] * (uint64_t)s->size[1] + 63) / 64; i++) {
-        uint64_t bits = touched[i];
-        touched[i] = 0;
-        for (uint32_t number = (uint32_t)(i * 64); bits != 0; number++, bits >>= 1) {
-            while ((bits & 0xff) == 0) {
-                bits >>= 8;
-                number += 8;
-            }
-            if ((bits & 1) != 0) BVXI_TRY(bvxi_split_grid_cell(w, number));
-        }
-    }
-    return order_hanging(s, slab);
+    BVXI_TRY(order_hanging(w, g));
+    return keep_slab(w, slab);
 }
 
 static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
-    uint64_t const bytes = ((uint64_t)s->size[0] * (uint64_t)s->size[1] + 63) / 64 * 8;
-    uint64_t *touched = NULL;
     bvxi_split_work w;
-    bvx_status status;
+    bvx_status status = BVX_OK;
     memset(&w, 0, sizeof w);
     w.s = s;
-    w.last = slabs + count - 1;
-    status = bvxi_cell_arcs_open(s, &w.lists[0]);
-    if (status == BVX_OK) status = bvxi_cell_arcs_open(s, &w.lists[1]);
-    if (status == BVX_OK) status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, bytes, "the cells that contours touch", &touched);
     for (uint32_t i = 0; i < count && status == BVX_OK; i++) {
         status = bvxi_progress(s->ctx, "subdivide", (double)i / count);
-        if (status == BVX_OK) status = split_slab(&w, &slabs[i], touched);
+        w.is_last = i + 1 == count;
+        if (status == BVX_OK) status = split_slab(&w, &slabs[i]);
     }
+    bvxi_free(s->ctx, w.sorted, (uint64_t)w.sorted_room * sizeof *w.sorted);
+    bvxi_free(s->ctx, w.order, (uint64_t)w.order_room * sizeof *w.order);
+    bvxi_free(s->ctx, w.key, (uint64_t)w.key_room * sizeof *w.key);
+    bvxi_free(s->ctx, w.grown.hanging, (uint64_t)w.grown.hanging_room * sizeof *w.grown.hanging);
+    bvxi_free(s->ctx, w.grown.arc, (uint64_t)w.grown.arc_room * sizeof *w.grown.arc);
+    bvxi_free(s->ctx, w.grown.leaf, (uint64_t)w.grown.leaf_room * sizeof *w.grown.leaf);
+    bvxi_free(s->ctx, w.grown.split, (uint64_t)w.grown.split_room * sizeof *w.grown.split);
     bvxi_free(s->ctx, w.piece, (uint64_t)w.piece_room * sizeof *w.piece);
     bvxi_free(s->ctx, w.pool, (uint64_t)w.pool_room * sizeof *w.pool);
-    bvxi_free(s->ctx, touched, bytes);
-    bvxi_cell_arcs_close(s, &w.lists[1]);
-    bvxi_cell_arcs_close(s, &w.lists[0]);
     return status;
 }
 
@@ -189,11 +179,11 @@ void bvxi_slabs_free(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
     if (slabs == NULL) return;
     for (uint32_t i = count; i-- > 0;) {
         bvxi_slab *const b = &slabs[i];
-        bvxi_free(s->ctx, b->by_u, b->by_u == NULL ? 0 : (uint64_t)b->hanging_room * 4);
-        bvxi_free(s->ctx, b->hanging, (uint64_t)b->hanging_room * sizeof *b->hanging);
-        bvxi_free(s->ctx, b->arc, (uint64_t)b->arc_room * sizeof *b->arc);
-        bvxi_free(s->ctx, b->leaf, (uint64_t)b->leaf_room * sizeof *b->leaf);
-        bvxi_free(s->ctx, b->split, (uint64_t)b->split_room * sizeof *b->split);
+        if (b->owns_mesh) {
+            bvxi_free(s->ctx, b->mesh.triangle, b->mesh.triangle_room * 12);
+            bvxi_free(s->ctx, b->mesh.position, b->mesh.vertex_room * 24);
+        }
+        bvxi_free(s->ctx, b->block, b->block_size);
     }
     bvxi_free(s->ctx, s->nothing.inside, s->nothing.inside == NULL ? 0 : ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8);
     s->nothing.inside = NULL;

@@ -12,7 +12,7 @@ typedef struct bvxi_leaf {
 } bvxi_leaf;
 
 typedef struct bvxi_split {
-    uint32_t cell, leaf, leaf_count;
+    uint32_t cell, leaf, leaf_count; /* the cell by its key */
 } bvxi_split;
 
 /* A corner of a leaf that is no grid point. */
@@ -35,18 +35,14 @@ struct bvxi_slab {
     bvxi_hanging *hanging;             /* by v, then u */
     uint32_t *by_u;                    /* numbers of them by u, then v */
     uint32_t hanging_count, hanging_room;
+    unsigned char *block;              /* of all these arrays */
+    uint64_t block_size;
+    /* the surface between the planes, when each slab has its own: vertices behind those of the rings, numbered from there */
+    bvxi_section_mesh mesh;
+    uint32_t lines;                    /* grid points whose line is crossed */
+    uint64_t distances, ambiguous_faces, inner_vertices, crossed_cells;
+    int owns_mesh;                     /* 1: arrays of its own, else stretches of all slabs' */
 };
-
-/* Lists of the arcs of each cell, for one plane at a time. */
-typedef struct bvxi_cell_arcs {
-    uint32_t *head, *link;
-    uint32_t link_room;
-    const bvxi_plane *plane;
-} bvxi_cell_arcs;
-
-bvx_status bvxi_cell_arcs_open(bvxi_stack *s, bvxi_cell_arcs *lists);
-void bvxi_cell_arcs_set(bvxi_cell_arcs *lists, const bvxi_plane *plane);
-void bvxi_cell_arcs_close(bvxi_stack *s, bvxi_cell_arcs *lists);
 
 /* Which side of a cell a cut lies on: 0 low v, 1 high u, 2 high v, 3 low u: counter-clockwise. */
 static inline int bvxi_side_of(const bvxi_line_cut *c, const int32_t low[2])

@@ -1,131 +1,173 @@
-/* slab_fill.c - the surface between sections: every cell that it may cross, layer by layer, in the order of the grid. */
-#include "section/trace.h"
-
-typedef struct slab_fill_work {
-    bvxi_stack *s;
-    bvxi_field field;
-    bvxi_trace trace;
-    bvxi_cell_arcs lists[2];
-    bvxi_vertex_map map[2];
-    uint64_t *touched;   /* cells in rows of words: those that contours touch */
-    uint64_t *split_bit; /* those that were subdivided */
-    uint32_t split;      /* the next subdivided cell */
-    uint32_t top;        /* the list of the plane above */
-    uint32_t map_top;    /* the map of the level above */
-} slab_fill_work;
+/* slab_fill.c - the surface between two sections: every cell that it may cross, layer by layer, in the order of the grid.
+ *
+ * Arcs of both planes and crossings of lines lie in the order of the cells, so a row of cells takes them one behind the other. */
+#include "section/slab_fill.h"
 
 static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)
 {
     return row[i] >> 1 | (i + 1 < words ? row[i + 1] << 63 : 0);
 }
 
-/* Cells of a row that the surface may cross: corners whose line is crossed, corners unlike each other where the field decides,
- * contours. */
-static uint64_t active_cells(const slab_fill_work *w, int32_t j, int32_t i)
+/* Cells of a row that the surface may cross: corners whose line is crossed, contours, corners unlike each other where the field
+ * decides. */
+static void find_active(bvxi_slab_work *w, int32_t j)
 {
-    int32_t const words = w->s->words;
+    bvxi_stack *const s = w->s;
+    int32_t const words = s->words, last = s->size[0] >> 6;
     size_t const low = (size_t)j * (size_t)words, high = low + (size_t)words;
     const uint64_t *const c = w->field.crossed;
-    uint64_t bits = c[low + (size_t)i] | c[high + (size_t)i] | row_word_up(c + low, i, words) | row_word_up(c + high, i, words);
-    int32_t const cells = w->s->size[0] - 64 * i;
-    if (w->s->options.crossings == BVX_CROSSINGS_EXACT) bits |= w->touched[low + (size_t)i];
-    else
-        for (int k = 0; k < 2; k++) {
-            const uint64_t *const p = w->field.slab->plane[k]->inside;
-            uint64_t const a = p[low + (size_t)i], b = p[high + (size_t)i], x = row_word_up(p + low, i, words), y = row_word_up(p + high, i, words);
-            bits |= (a | b | x | y) & ~(a & b & x & y);
-        }
-    return cells >= 64 ? bits : cells <= 0 ? 0 : bits & ((UINT64_C(1) << cells) - 1);
-}
-
-/* Gather a grid cell's arcs. */
-static bvx_status gather_arcs(slab_fill_work *w, uint32_t number)
-{
-    bvxi_trace *const t = &w->trace;
+    for (int32_t i = 0; i < words; i++)
+        w->row[i] = c[low + (size_t)i] | c[high + (size_t)i] | row_word_up(c + low, i, words) | row_word_up(c + high, i, words);
     for (int k = 0; k < 2; k++) {
-        const bvxi_cell_arcs *const lists = &w->lists[k == 0 ? 1 - w->top : w->top];
-        uint32_t n = 0;
-        if (t->level[k].kind == BVXI_PLANE_EXACT)
-            for (uint32_t a = lists->head[number]; a != BVXI_NONE; a = lists->link[a]) {
-                BVXI_TRY(bvxi_slab_grow(w->s, &t->gathered[k], n, &t->gathered_room[k], sizeof *t->gathered[k], "the arcs of a cell"));
-                t->gathered[k][n++] = lists->plane->arc[a];
-            }
-        t->arc[k] = t->gathered[k];
-        t->arc_count[k] = n;
+        const bvxi_plane *const p = w->field.slab->plane[k];
+        if (s->options.crossings == BVX_CROSSINGS_EXACT) {
+            for (uint32_t a = w->arc[k]; a < p->arc_count && p->arc_cell[a] >> 16 == (uint32_t)j; a++)
+                w->row[(p->arc_cell[a] & 0xffff) >> 6] |= UINT64_C(1) << (p->arc_cell[a] & 63);
+            continue;
+        }
+        for (int32_t i = 0; i < words; i++) {
+            uint64_t const a = p->inside[low + (size_t)i], b = p->inside[high + (size_t)i];
+            uint64_t const x = row_word_up(p->inside + low, i, words), y = row_word_up(p->inside + high, i, words);
+            w->row[i] |= (a | b | x | y) & ~(a & b & x & y);
+        }
     }
-    return BVX_OK;
+    w->row[last] &= (UINT64_C(1) << (s->size[0] & 63)) - 1;
 }
 
-static int is_split(const slab_fill_work *w, int32_t i, int32_t j)
+static int is_split(const bvxi_slab_work *w, int32_t i, int32_t j)
 {
     if (i < 0 || j < 0 || i >= w->s->size[0] || j >= w->s->size[1]) return 0;
     return (int)(w->split_bit[(size_t)j * (size_t)w->s->words + (size_t)(i >> 6)] >> (i & 63) & 1);
 }
 
-static void mark_split(slab_fill_work *w, int set)
+static void mark_split(bvxi_slab_work *w, int set)
 {
     const bvxi_slab *const slab = w->field.slab;
-    uint32_t const nx = (uint32_t)w->s->size[0];
     for (uint32_t n = 0; n < slab->split_count; n++) {
-        uint32_t const x = slab->split[n].cell % nx, y = slab->split[n].cell / nx;
+        uint32_t const x = slab->split[n].cell & 0xffff, y = slab->split[n].cell >> 16;
         uint64_t *const word = &w->split_bit[(size_t)y * (size_t)w->s->words + (x >> 6)];
         if (set) *word |= UINT64_C(1) << (x & 63);
         else *word = 0;
     }
 }
 
-static bvx_status fill_slab_cell(slab_fill_work *w, int32_t i, int32_t j)
+/* ---- cells ---- */
+
+/* How many arcs lie in the cell on either plane; they are the next ones. */
+static void count_arcs(const bvxi_slab_work *w, uint32_t key, uint32_t count[2])
+{
+    for (int k = 0; k < 2; k++) {
+        const bvxi_plane *const p = w->field.slab->plane[k];
+        uint32_t a = w->arc[k];
+        while (a < p->arc_count && p->arc_cell[a] == key) a++;
+        count[k] = a - w->arc[k];
+    }
+}
+
+/* Numbers of the crossings of the lines over a cell's corners, counter-clockwise. A crossing over its left corners was met at the right ones
+ * of the cell before, which it makes one to look at too. */
+static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], uint32_t line[4])
+{
+    static const uint8_t left[2] = {0, 3}, right[2] = {1, 2};
+    uint32_t const crossed = inside[0] ^ inside[1];
+    for (int k = 0; k < 2; k++) {
+        line[left[k]] = line[right[k]] = BVXI_NONE;
+        if ((crossed >> left[k] & 1) != 0) line[left[k]] = w->field.first + (i == 0 ? w->line[k]++ : w->line[k] - 1);
+        if ((crossed >> right[k] & 1) != 0) line[right[k]] = w->field.first + w->line[k]++;
+    }
+}
+
+/* Corners inside on a plane, counter-clockwise. */
+static uint32_t inside_corners(const bvxi_stack *s, const bvxi_plane *p, int32_t i, int32_t j)
+{
+    const uint64_t *const low = p->inside + (size_t)j * (size_t)s->words, *const high = low + s->words;
+    uint32_t const a = (uint32_t)(low[i >> 6] >> (i & 63) & 1), b = (uint32_t)(low[(i + 1) >> 6] >> ((i + 1) & 63) & 1);
+    uint32_t const c = (uint32_t)(high[(i + 1) >> 6] >> ((i + 1) & 63) & 1), d = (uint32_t)(high[i >> 6] >> (i & 63) & 1);
+    return a | b << 1 | c << 2 | d << 3;
+}
+
+static bvx_status fill_leaves(bvxi_slab_work *w, const bvxi_split *split)
+{
+    bvxi_trace *const t = &w->trace;
+    const bvxi_slab *const slab = w->field.slab;
+    t->beside_split = 1;
+    for (uint32_t n = split->leaf; n < split->leaf + split->leaf_count; n++) {
+        const bvxi_leaf *const leaf = &slab->leaf[n];
+        t->low[0] = leaf->low[0];
+        t->low[1] = leaf->low[1];
+        t->size = leaf->size;
+        for (int k = 0; k < 2; k++) {
+            t->arc[k] = slab->arc + leaf->arc[k];
+            t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? leaf->arc_count[k] : 0;
+        }
+        BVXI_TRY(bvxi_trace_slab_cell(t));
+    }
+    return BVX_OK;
+}
+
+static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, const uint32_t arcs[2])
 {
     bvxi_trace *const t = &w->trace;
     const bvxi_slab *const slab = w->field.slab;
     int32_t const fine = w->s->fine;
-    t->number = (uint32_t)j * (uint32_t)w->s->size[0] + (uint32_t)i;
-    if (w->split < slab->split_count && slab->split[w->split].cell == t->number) {
-        const bvxi_split *const split = &slab->split[w->split++];
-        t->beside_split = 1;
-        for (uint32_t n = split->leaf; n < split->leaf + split->leaf_count; n++) {
-            const bvxi_leaf *const leaf = &slab->leaf[n];
-            t->low[0] = leaf->low[0];
-            t->low[1] = leaf->low[1];
-            t->size = leaf->size;
-            for (int k = 0; k < 2; k++) {
-                t->arc[k] = slab->arc + leaf->arc[k];
-                t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? leaf->arc_count[k] : 0;
-            }
-            BVXI_TRY(bvxi_trace_slab_cell(t));
-        }
-        return BVX_OK;
-    }
+    t->key = bvxi_cell_key(i, j);
+    if (w->split < slab->split_count && slab->split[w->split].cell == t->key) return fill_leaves(w, &slab->split[w->split++]);
     t->low[0] = (int32_t)((uint32_t)i << fine);
     t->low[1] = (int32_t)((uint32_t)j << fine);
     t->size = 1 << fine;
     t->beside_split = slab->split_count != 0 &&
                       (is_split(w, i - 1, j) || is_split(w, i + 1, j) || is_split(w, i, j - 1) || is_split(w, i, j + 1));
-    BVXI_TRY(gather_arcs(w, t->number));
+    for (int k = 0; k < 2; k++) {
+        t->arc[k] = arcs[k] == 0 ? NULL : slab->plane[k]->arc + w->arc[k];
+        t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? arcs[k] : 0;
+    }
     return bvxi_trace_slab_cell(t);
 }
 
-static bvx_status fill_layer(slab_fill_work *w)
+static int is_beside_split(const bvxi_slab_work *w, int32_t i, int32_t j)
+{
+    return w->field.slab->split_count != 0 && (is_split(w, i, j) || is_split(w, i - 1, j) || is_split(w, i + 1, j) || is_split(w, i, j - 1) ||
+                                               is_split(w, i, j + 1));
+}
+
+static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
+{
+    bvxi_trace *const t = &w->trace;
+    uint32_t arcs[2] = {0, 0};
+    int done = 0;
+    if (w->s->options.crossings == BVX_CROSSINGS_EXACT) count_arcs(w, bvxi_cell_key(i, j), arcs);
+    if (w->plain) {
+        uint32_t line[4];
+        uint32_t const inside[2] = {inside_corners(w->s, w->field.slab->plane[0], i, j), inside_corners(w->s, w->field.slab->plane[1], i, j)};
+        next_lines(w, i, inside, line);
+        if (!is_beside_split(w, i, j)) {
+            t->low[0] = (int32_t)((uint32_t)i << w->s->fine);
+            t->low[1] = (int32_t)((uint32_t)j << w->s->fine);
+            t->size = 1 << w->s->fine;
+            BVXI_TRY(bvxi_slab_plain_cell(w, arcs, inside, line, &done));
+        }
+    }
+    if (!done) BVXI_TRY(fill_traced_cell(w, i, j, arcs));
+    for (int k = 0; k < 2; k++) w->arc[k] += arcs[k];
+    return BVX_OK;
+}
+
+static bvx_status fill_layer(bvxi_slab_work *w)
 {
     bvxi_stack *const s = w->s;
-    w->split = 0;
-    for (int32_t j = 0; j < s->size[1]; j++)
-        for (int32_t k = 0; k < s->words; k++) {
-            uint64_t bits = active_cells(w, j, k);
-            for (int32_t i = 64 * k; bits != 0; i++, bits >>= 1) {
-                while ((bits & 0xff) == 0) {
-                    bits >>= 8;
-                    i += 8;
-                }
-                if ((bits & 1) != 0) BVXI_TRY(fill_slab_cell(w, i, j));
-            }
-        }
+    w->split = w->arc[0] = w->arc[1] = 0;
+    for (int32_t j = 0; j < s->size[1]; j++) {
+        find_active(w, j);
+        for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
+        for (int32_t k = 0; k < s->words; k++)
+            for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1) BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
+    }
     return BVX_OK;
 }
 
 /* ---- levels ---- */
 
-static void set_level(slab_fill_work *w, bvxi_level *level, int32_t number)
+static void set_level(bvxi_slab_work *w, bvxi_level *level, int32_t number)
 {
     const bvxi_slab *const slab = w->field.slab;
     int const k = number == 0 ? 0 : number == w->field.layers ? 1 : -1;
@@ -136,35 +178,14 @@ static void set_level(slab_fill_work *w, bvxi_level *level, int32_t number)
     level->kind = BVXI_PLANE_FIELD;
     if (k < 0) return;
     level->plane = slab->plane[k];
-    if (level->plane == &w->s->nothing) level->kind = BVXI_PLANE_EMPTY;
+    if (bvxi_plane_is_nothing(level->plane)) level->kind = BVXI_PLANE_EMPTY;
     else if (w->s->options.crossings == BVX_CROSSINGS_EXACT) level->kind = BVXI_PLANE_EXACT;
-    else if (w->s->options.crossings == BVX_CROSSINGS_PAPER) level->arcs = &w->lists[k == 0 ? 1 - w->top : w->top];
+    else if (w->s->options.crossings == BVX_CROSSINGS_PAPER) level->inserts = 1;
 }
 
-static void touch_cells(slab_fill_work *w, const bvxi_plane *p, int set)
-{
-    uint32_t const nx = (uint32_t)w->s->size[0];
-    for (uint32_t i = 0; i < p->arc_count; i++) {
-        uint32_t const x = p->arc_cell[i] % nx, y = p->arc_cell[i] / nx;
-        uint64_t *const word = &w->touched[(size_t)y * (size_t)w->s->words + (x >> 6)];
-        if (set) *word |= UINT64_C(1) << (x & 63);
-        else *word = 0;
-    }
-}
-
-static bvx_status fill_slab(slab_fill_work *w, bvxi_slab *slab)
+static bvx_status fill_layers(bvxi_slab_work *w)
 {
     bvxi_trace *const t = &w->trace;
-    if (w->lists[w->top].plane != slab->plane[0]) {
-        bvxi_map_clear(&w->map[w->map_top]);
-        bvxi_cell_arcs_set(&w->lists[w->top], slab->plane[0]);
-    }
-    w->top = 1 - w->top;
-    bvxi_cell_arcs_set(&w->lists[w->top], slab->plane[1]);
-    for (int k = 0; k < 2; k++) touch_cells(w, slab->plane[k], 1);
-    bvxi_map_clear(&t->folds);
-    BVXI_TRY(bvxi_field_set(&w->field, slab));
-    mark_split(w, 1);
     for (int32_t layer = 0; layer < w->field.layers; layer++) {
         w->map_top = 1 - w->map_top;
         bvxi_map_clear(&w->map[w->map_top]);
@@ -177,35 +198,50 @@ static bvx_status fill_slab(slab_fill_work *w, bvxi_slab *slab)
         t->layer = layer;
         BVXI_TRY(fill_layer(w));
     }
-    for (int k = 0; k < 2; k++) touch_cells(w, slab->plane[k], 0);
-    mark_split(w, 0);
     return BVX_OK;
 }
 
-bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
+/* The field's crossings on a plane are kept for the slab above it: in the field's way slabs come in order. */
+bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
 {
-    uint64_t const bytes = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8;
-    slab_fill_work w;
     bvx_status status;
-    memset(&w, 0, sizeof w);
-    w.s = s;
-    w.trace.s = s;
-    w.trace.field = &w.field;
-    status = bvxi_field_open(s, &w.field);
-    if (status == BVX_OK) status = bvxi_cell_arcs_open(s, &w.lists[0]);
-    if (status == BVX_OK) status = bvxi_cell_arcs_open(s, &w.lists[1]);
-    if (status == BVX_OK) status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, bytes, "the cells that contours touch", &w.touched);
-    if (status == BVX_OK) status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, bytes, "the subdivided cells", &w.split_bit);
-    for (uint32_t i = 0; i < count && status == BVX_OK; i++) {
-        status = bvxi_progress(s->ctx, "surface", (double)i / count);
-        if (status == BVX_OK) status = fill_slab(&w, &slabs[i]);
-    }
-    bvxi_free(s->ctx, w.split_bit, bytes);
-    bvxi_free(s->ctx, w.touched, bytes);
-    for (int k = 2; k-- > 0;) bvxi_map_free(s, &w.map[k]);
-    bvxi_trace_free(&w.trace);
-    bvxi_cell_arcs_close(s, &w.lists[1]);
-    bvxi_cell_arcs_close(s, &w.lists[0]);
-    bvxi_field_close(&w.field);
+    if (w->field.plane[1].plane != slab->plane[0]) bvxi_map_clear(&w->map[w->map_top]);
+    bvxi_map_clear(&w->trace.folds);
+    BVXI_TRY(bvxi_field_set(&w->field, slab));
+    w->plain = !w->only_traced && w->s->options.crossings == BVX_CROSSINGS_EXACT && w->field.layers == 1;
+    mark_split(w, 1);
+    status = fill_layers(w);
+    mark_split(w, 0);
     return status;
+}
+
+/* ---- memory ---- */
+
+static uint64_t split_bytes(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8;
+}
+
+bvx_status bvxi_slab_work_open(bvxi_slab_work *w, bvxi_stack *s, uint32_t lines, uint32_t loop)
+{
+    memset(w, 0, sizeof *w);
+    w->s = s;
+    w->trace.s = s;
+    w->trace.field = &w->field;
+    BVXI_TRY(bvxi_field_open(s, &w->field, lines));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)s->words * 8, "the cells of a row", &w->row));
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, split_bytes(s), "the subdivided cells", &w->split_bit));
+    return bvxi_trace_open(&w->trace, loop);
+}
+
+void bvxi_slab_work_close(bvxi_slab_work *w)
+{
+    bvxi_stack *const s = w->s;
+    if (s == NULL) return;
+    for (int k = 2; k-- > 0;) bvxi_map_free(s, &w->map[k]);
+    bvxi_trace_free(&w->trace);
+    bvxi_free(s->ctx, w->split_bit, split_bytes(s));
+    bvxi_free(s->ctx, w->row, (uint64_t)s->words * 8);
+    bvxi_field_close(&w->field);
+    memset(w, 0, sizeof *w);
 }

@@ -21,6 +21,7 @@ typedef struct slice_work {
     double *height;          /* [vertices] */
     double *position;        /* of the planes */
     uint64_t plane_count;
+    double narrow;           /* loops up to this width are left out */
     uint64_t *first;         /* [planes + 1] of each plane's triangles in list */
     uint32_t *list;
     uint64_t list_count;
@@ -44,6 +45,8 @@ void bvx_slice_options_init(bvx_slice_options *options, size_t size)
 /* ---- planes ---- */
 
 enum { SLICE_MOST_PLANES = 1 << 20 };
+
+#define SLICE_NARROW (1.0 / 67108864.0) /* of the mesh across the normal: the fixed point of sections tells no less apart */
 
 static bvx_status check_positions(slice_work *w, const bvx_slice_options *o)
 {
@@ -92,8 +95,10 @@ static uint64_t planes_up_to(const slice_work *w, double height)
     return low;
 }
 
+/* Heights along the normal and their bounds; how far the mesh reaches across it. */
 static bvx_status read_heights(slice_work *w, double *low, double *high)
 {
+    double across[2][2] = {{1e308, -1e308}, {1e308, -1e308}}, reach = 0.0;
     uint64_t different;
     *low = 1e308;
     *high = -1e308;
@@ -102,7 +107,15 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
         double p[3];
         bvxi_view_position(w->view, i, p);
         w->height[i] = (w->axis[2][0] * p[0] + w->axis[2][1] * p[1]) + w->axis[2][2] * p[2];
+        for (int k = 0; k < 2; k++) {
+            double const at = (w->axis[k][0] * p[0] + w->axis[k][1] * p[1]) + w->axis[k][2] * p[2];
+            if (at < across[k][0]) across[k][0] = at;
+            if (at > across[k][1]) across[k][1] = at;
+        }
     }
+    for (int k = 0; k < 2; k++)
+        if (across[k][1] - across[k][0] > reach) reach = across[k][1] - across[k][0];
+    w->narrow = SLICE_NARROW * reach;
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint32_t c[3];
         bvxi_view_triangle(w->view, t, c);
@@ -220,6 +233,20 @@ static void add_slice_point(bvx_sections *s, bvx_section_loop *l, const double p
     l->point_count++;
 }
 
+/* 1 when a loop is so narrow that it encloses no area: twice the area is the width times the way round. */
+static int encloses_none(const slice_work *w, const double *p, uint64_t count)
+{
+    const double *const n = w->axis[2];
+    double area = 0.0, way = 0.0;
+    for (uint64_t i = 0; i < count; i++) {
+        const double *const a = p + 3 * i, *const b = p + 3 * (i + 1 == count ? 0 : i + 1);
+        double const x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2], u = a[0] - p[0], v = a[1] - p[1], t = a[2] - p[2];
+        area += (n[0] * (v * z - t * y) + n[1] * (t * x - u * z)) + n[2] * (u * y - v * x);
+        way += sqrt((x * x + y * y) + z * z);
+    }
+    return (area < 0.0 ? -area : area) <= w->narrow * way;
+}
+
 /* Where the pieces from an edge begin in the order, or count. */
 static uint64_t find_piece(const slice_work *w, const uint64_t *sorted, uint64_t count, uint64_t key)
 {
@@ -264,7 +291,7 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
             l.point_count--;
             s->point_count--;
         }
-        if (l.point_count < 3) s->point_count = l.first_point;
+        if (l.point_count < 3 || encloses_none(w, s->points + 3 * l.first_point, l.point_count)) s->point_count = l.first_point;
         else s->loops[s->loop_count++] = l;
     }
     return BVX_OK;
@@ -308,7 +335,7 @@ static bvx_status open_result(slice_work *w)
 static bvx_status close_result(slice_work *w, bvx_sections *sections)
 {
     bvx_sections *const s = &w->made;
-    if (s->loop_count == 0) return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets more of the mesh than a point", slice_name);
+    if (s->loop_count == 0) return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets more of the mesh than points and lines", slice_name);
     BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops, s->loop_count * sizeof *s->loops, "the loops"));
     s->loop_capacity = s->loop_count;
     BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24, "the points"));

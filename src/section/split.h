@@ -18,8 +18,12 @@ typedef struct bvxi_split_piece {
 typedef struct bvxi_split_work {
     bvxi_stack *s;
     bvxi_slab *slab;
-    const bvxi_slab *last;
-    bvxi_cell_arcs lists[2];
+    bvxi_slab grown;         /* what a slab's cells become, in arrays that the slabs have in turn */
+    int is_last;             /* 1: in the last slab */
+    uint64_t *key;           /* of its hanging corners */
+    uint32_t *order;
+    bvxi_hanging *sorted;
+    uint32_t key_room, order_room, sorted_room;
     bvxi_arc *pool;
     uint32_t pool_count, pool_room;
     bvxi_split_piece *piece;
@@ -30,6 +34,6 @@ typedef struct bvxi_split_work {
 } bvxi_split_work;
 
 /* Subdivide a cell of the grid where its contours ask for it: leaves, arcs and corners go to the slab. */
-bvx_status bvxi_split_grid_cell(bvxi_split_work *w, uint32_t number);
+bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j);
 
 #endif

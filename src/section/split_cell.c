@@ -44,7 +44,7 @@ static double fixed_place(const bvxi_stack *s, int axis, int32_t q)
 /* Counts are of planes, of which most have a slab on either side: the one above counts, for the last plane the one below. */
 static int counts_here(const bvxi_split_work *w, int k)
 {
-    return k == 0 || w->slab == w->last;
+    return k == 0 || w->is_last;
 }
 
 /* What is still crossed more than once is counted once an edge: at its cell with higher coordinates. */
@@ -306,11 +306,10 @@ static void count_supposition(bvxi_split_work *w, const bvxi_split_cell *c)
     }
 }
 
-bvx_status bvxi_split_grid_cell(bvxi_split_work *w, uint32_t number)
+bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
 {
     bvxi_stack *const s = w->s;
     bvxi_slab *const slab = w->slab;
-    int32_t const i = (int32_t)(number % (uint32_t)s->size[0]), j = (int32_t)(number / (uint32_t)s->size[0]);
     bvxi_split_cell c;
     bvxi_split *split;
     memset(&c, 0, sizeof c);
@@ -323,10 +322,9 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, uint32_t number)
         c.inside[k] = (uint8_t)(bvxi_grid_bit(s, p, i, j) | bvxi_grid_bit(s, p, i + 1, j) << 1 | bvxi_grid_bit(s, p, i, j + 1) << 2 |
                                 bvxi_grid_bit(s, p, i + 1, j + 1) << 3);
         c.arc[k] = w->pool_count;
-        for (uint32_t a = w->lists[k].head[number]; a != BVXI_NONE; a = w->lists[k].link[a]) BVXI_TRY(add_to_pool(w, &p->arc[a]));
-        c.arc_count[k] = w->pool_count - c.arc[k];
+        uint32_t const first = bvxi_plane_arcs_in(p, bvxi_cell_key(i, j), &c.arc_count[k]);
+        for (uint32_t a = first; a < first + c.arc_count[k]; a++) BVXI_TRY(add_to_pool(w, &p->arc[a]));
     }
-    if (!asks_for_split(w, &c)) return BVX_OK;
     count_supposition(w, &c);
     if (s->options.depth == 0) {
         count_unkept(w, &c);
@@ -334,7 +332,7 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, uint32_t number)
     }
     BVXI_TRY(bvxi_slab_grow(s, &slab->split, slab->split_count, &slab->split_room, sizeof *slab->split, "the subdivided cells"));
     split = &slab->split[slab->split_count++];
-    split->cell = number;
+    split->cell = bvxi_cell_key(i, j);
     split->leaf = slab->leaf_count;
     BVXI_TRY(split_down(w, &c));
     slab->split[slab->split_count - 1].leaf_count = slab->leaf_count - split->leaf;

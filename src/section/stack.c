@@ -59,8 +59,8 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: sections %u and %u lie at one position, %g", s->function, (uint64_t)order[i - 1],
                              (uint64_t)order[i], g->positions[order[i]]);
     if (end - first < 2)
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the body is in one section alone, %u: a body needs two", s->function,
-                         (uint64_t)order[first]);
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the body has loops in one section alone (number %u, at %g); it needs two", s->function,
+                         (uint64_t)order[first], g->positions[order[first]]);
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (end - first) * sizeof *s->plane, "the planes of a body", &s->plane));
     s->plane_count = end - first;
     for (uint32_t i = 0; i < s->plane_count; i++) {
@@ -84,6 +84,7 @@ static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
     bvxi_contour *const c = &p->contour[p->contour_count++];
     c->first = p->point_count;
     c->given = number;
+    c->end[0] = c->end[1] = 0.0;
     for (uint64_t i = 0; i < l->point_count; i++) {
         uint64_t const at = l->first_point + i, before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
         if (l->point_count > 1 && same_place(s->given->points + 3 * at, s->given->points + 3 * before)) {
@@ -129,7 +130,7 @@ static bvx_status open_planes(bvxi_stack *s, const uint64_t *points, const uint3
     return BVX_OK;
 }
 
-static bvx_status place_points(bvxi_stack *s, bvxi_plane *p)
+bvx_status bvxi_plane_place(bvxi_stack *s, bvxi_plane *p, double low[2], double high[2])
 {
     for (uint32_t i = 0; i < p->point_count; i++) {
         const double *const at = s->given->points + 3 * (uint64_t)p->given[i];
@@ -137,9 +138,11 @@ static bvx_status place_points(bvxi_stack *s, bvxi_plane *p)
         p->uv[i][1] = along_axis(s->axis[1], at);
         for (int k = 0; k < 2; k++) {
             double const c = p->uv[i][k];
-            if (c - c != 0.0) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: point %u is too far out", s->function, (uint64_t)p->given[i]);
-            if (c < s->low[k]) s->low[k] = c;
-            if (c > s->high[k]) s->high[k] = c;
+            if (c - c != 0.0)
+                return s->fixed ? BVX_ERR_RANGE
+                                : bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: point %u is too far out", s->function, (uint64_t)p->given[i]);
+            if (c < low[k]) low[k] = c;
+            if (c > high[k]) high[k] = c;
         }
     }
     return BVX_OK;
@@ -158,8 +161,8 @@ static bvx_status check_flatness(bvxi_stack *s)
         for (uint32_t i = 0; i < p->point_count; i++) {
             double const off = along_axis(s->axis[2], s->given->points + 3 * (uint64_t)p->given[i]) - p->w;
             if (off > limit || off < -limit)
-                return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: point %u of section %u lies %g off its plane; %g is allowed", s->function,
-                                 (uint64_t)p->given[i], (uint64_t)p->section, off, limit);
+                return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: point %u of section %u (position %g) lies %g off its plane; %g is allowed",
+                                 s->function, (uint64_t)p->given[i], (uint64_t)p->section, p->w, off, limit);
         }
     }
     return BVX_OK;
@@ -185,7 +188,7 @@ static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint3
     for (uint32_t i = 0; i < s->plane_count; i++) plane_of[s->plane[i].section] = i;
     for (uint64_t i = 0; i < g->loop_count; i++)
         if (g->loops[i].label == s->options.label) BVXI_TRY(take_loop(s, &s->plane[plane_of[g->loops[i].section]], (uint32_t)i));
-    for (uint32_t i = 0; i < s->plane_count; i++) BVXI_TRY(place_points(s, &s->plane[i]));
+    BVXI_TRY(bvxi_planes_place(s));
     return check_flatness(s);
 }
 
@@ -208,7 +211,7 @@ static bvx_status gather_planes(bvxi_stack *s)
 
 /* ---- fixed point ---- */
 
-static void snap_plane(const bvxi_stack *s, bvxi_plane *p)
+void bvxi_plane_snap(const bvxi_stack *s, bvxi_plane *p)
 {
     double const unit = (double)(1 << (s->fine - 1));
     for (uint32_t i = 0; i < p->point_count; i++)
@@ -266,11 +269,8 @@ static void reverse_loop(bvxi_plane *p, const bvxi_contour *c)
 }
 
 /* The boxes of loops keep most pairs from being looked at. */
-static bvx_status direct_loops(bvxi_stack *s, bvxi_plane *p)
+bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
 {
-    int32_t (*box)[4];
-    bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, p->contour_count * sizeof *box, "the boxes of loops", &box);
-    if (status != BVX_OK) return status;
     for (uint32_t i = 0; i < p->contour_count; i++) {
         const bvxi_contour *const c = &p->contour[i];
         for (int k = 0; k < 2; k++) box[i][k] = box[i][k + 2] = p->q[c->first][k];
@@ -280,7 +280,7 @@ static bvx_status direct_loops(bvxi_stack *s, bvxi_plane *p)
                 if (p->q[j][k] > box[i][k + 2]) box[i][k + 2] = p->q[j][k];
             }
     }
-    for (uint32_t i = 0; i < p->contour_count && status == BVX_OK; i++) {
+    for (uint32_t i = 0; i < p->contour_count; i++) {
         bvxi_contour *const c = &p->contour[i];
         const int32_t *const at = p->q[c->first];
         int const turn = turn_of(p, c);
@@ -288,29 +288,18 @@ static bvx_status direct_loops(bvxi_stack *s, bvxi_plane *p)
         for (uint32_t j = 0; j < p->contour_count; j++)
             if (j != i && at[0] >= box[j][0] && at[0] <= box[j][2] && at[1] >= box[j][1] && at[1] <= box[j][3])
                 c->hole ^= is_in_loop(p, &p->contour[j], at);
-        s->report.holes += (uint64_t)c->hole;
         if (turn == 0)
-            status = bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: loop %u of section %u encloses no area", s->function, (uint64_t)c->given,
-                               (uint64_t)p->section);
-        else if ((turn > 0) == (c->hole != 0)) reverse_loop(p, c);
+            return s->fixed ? BVX_ERR_FORMAT
+                            : bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: loop %u of section %u encloses no area", s->function, (uint64_t)c->given,
+                                        (uint64_t)p->section);
+        if ((turn > 0) == (c->hole != 0)) reverse_loop(p, c);
     }
-    bvxi_free(s->ctx, box, p->contour_count * sizeof *box);
-    return status;
+    return BVX_OK;
 }
 
 static uint64_t inside_bytes(const bvxi_stack *s)
 {
     return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8;
-}
-
-static bvx_status ready_plane(bvxi_stack *s, bvxi_plane *p)
-{
-    snap_plane(s, p);
-    BVXI_TRY(bvxi_plane_check_simple(s, p));
-    BVXI_TRY(direct_loops(s, p));
-    p->area = bvxi_plane_area(s, p);
-    BVXI_TRY(bvxi_plane_tree(s, p));
-    return bvxi_plane_cut(s, p);
 }
 
 static void link_loops(bvxi_plane *p)
@@ -338,27 +327,25 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
     BVXI_TRY(bvxi_stack_grid(s));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside", &s->all.inside));
     for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        BVXI_TRY(bvxi_progress(ctx, "sections", (double)i / s->plane_count));
-        BVXI_TRY(ready_plane(s, &s->plane[i]));
-    }
-    return BVX_OK;
-}
-
-static void close_plane(bvxi_stack *s, bvxi_plane *p)
-{
-    bvxi_free(s->ctx, p->arc_cell, (uint64_t)p->arc_count * 4);
-    bvxi_free(s->ctx, p->arc, (uint64_t)p->arc_count * sizeof *p->arc);
-    bvxi_free(s->ctx, p->cut, (uint64_t)p->cut_room * sizeof *p->cut);
-    bvxi_free(s->ctx, p->box, (uint64_t)p->leaf_count * 2 * sizeof *p->box);
+    return bvxi_planes_ready(s);
 }
 
 void bvxi_stack_close(bvxi_stack *s)
 {
     for (int k = 2; k-- > 0;) bvxi_free(s->ctx, s->cap_edge[k], (uint64_t)s->cap_edge_room[k] * sizeof *s->cap_edge[k]);
+    bvxi_free(s->ctx, s->slab_mesh.triangle, s->slab_mesh.triangle_room * 12);
+    bvxi_free(s->ctx, s->slab_mesh.position, s->slab_mesh.vertex_room * 24);
     bvxi_free(s->ctx, s->mesh.triangle, s->mesh.triangle_room * 12);
     bvxi_free(s->ctx, s->mesh.position, s->mesh.vertex_room * 24);
-    for (uint32_t i = s->plane_count; i-- > 0;) close_plane(s, &s->plane[i]);
+    for (uint32_t i = s->plane_count; i-- > 0;)
+        if (s->plane[i].owns_cuts) bvxi_free(s->ctx, s->plane[i].cut, (uint64_t)s->plane[i].cut_room * sizeof *s->plane[i].cut);
+    bvxi_free(s->ctx, s->all.box, s->box_room * sizeof *s->all.box);
+    bvxi_free(s->ctx, s->all.group, s->group_room * sizeof *s->all.group);
+    bvxi_free(s->ctx, s->all.asking, s->arc_room * sizeof *s->all.asking);
+    bvxi_free(s->ctx, s->all.arc_cell, s->arc_room * sizeof *s->all.arc_cell);
+    bvxi_free(s->ctx, s->all.ring_arc, s->arc_room * sizeof *s->all.ring_arc);
+    bvxi_free(s->ctx, s->all.arc, s->arc_room * sizeof *s->all.arc);
+    bvxi_free(s->ctx, s->all.cut, s->cut_room * sizeof *s->all.cut);
     bvxi_free(s->ctx, s->all.inside, s->plane_count * inside_bytes(s));
     bvxi_free(s->ctx, s->all.contour, s->all.contour_room * sizeof *s->all.contour);
     bvxi_free(s->ctx, s->all.ring, s->all.point_room * 4);

@@ -16,7 +16,7 @@ static void link_points(bvxi_trace *t, uint32_t from, uint32_t to)
 
 static const double *vertex_place(const bvxi_trace *t, uint32_t point)
 {
-    return t->s->mesh.position + 3 * (uint64_t)t->point[point].vertex;
+    return bvxi_section_vertex(t->s, t->point[point].vertex);
 }
 
 static double strip_along(const double axis[3], const double *p)

@@ -9,95 +9,6 @@
 
 #include "lattice/wide.h"
 
-/* ---- arrays ---- */
-
-bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point)
-{
-    bvxi_trace_point *p;
-    BVXI_TRY(bvxi_slab_grow(t->s, &t->point, t->point_count, &t->point_room, sizeof *t->point, "the crossings of a cell"));
-    *point = t->point_count++;
-    p = &t->point[*point];
-    p->vertex = vertex;
-    p->next = BVXI_NONE;
-    p->arc = BVXI_NONE;
-    p->faces = (uint8_t)faces;
-    p->link = BVXI_LINK_STRAIGHT;
-    p->seen = 0;
-    return BVX_OK;
-}
-
-/* Room for a loop of count vertices. */
-static bvx_status open_loop(bvxi_trace *t, uint64_t count)
-{
-    bvxi_stack *const s = t->s;
-    uint64_t const room = count + count / 2 + 64, old = t->loop_room;
-    if (count <= old) return BVX_OK;
-    if (room > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: a cell holds more than 2^31 contour points", s->function);
-    /* what was is kept: a loop grows while it is followed */
-    {
-        uint32_t *vertex = NULL, *next = NULL, *before = NULL;
-        uint8_t *faces = NULL;
-        const double **at = NULL;
-        bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &vertex);
-        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room, "a loop of a cell", &faces);
-        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *at, "a loop of a cell", &at);
-        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &next);
-        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &before);
-        if (status != BVX_OK) {
-            bvxi_free(s->ctx, next, next == NULL ? 0 : room * 4);
-            bvxi_free(s->ctx, (void *)at, at == NULL ? 0 : room * sizeof *at);
-            bvxi_free(s->ctx, faces, faces == NULL ? 0 : room);
-            bvxi_free(s->ctx, vertex, vertex == NULL ? 0 : room * 4);
-            return status;
-        }
-        if (old != 0) {
-            memcpy(vertex, t->vertex, (size_t)old * 4);
-            memcpy(faces, t->faces, (size_t)old);
-        }
-        bvxi_free(s->ctx, t->before, old * 4);
-        bvxi_free(s->ctx, t->next, old * 4);
-        bvxi_free(s->ctx, (void *)t->at, old * sizeof *at);
-        bvxi_free(s->ctx, t->faces, old);
-        bvxi_free(s->ctx, t->vertex, old * 4);
-        t->vertex = vertex;
-        t->faces = faces;
-        t->at = at;
-        t->next = next;
-        t->before = before;
-        t->loop_room = (uint32_t)room;
-    }
-    return BVX_OK;
-}
-
-bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces)
-{
-    if (*count >= t->loop_room) BVXI_TRY(open_loop(t, (uint64_t)*count + 1));
-    t->vertex[*count] = vertex;
-    t->faces[(*count)++] = (uint8_t)faces;
-    return BVX_OK;
-}
-
-void bvxi_trace_free(bvxi_trace *t)
-{
-    bvxi_stack *const s = t->s;
-    uint64_t const loop = t->loop_room;
-    bvxi_free(s->ctx, t->before, loop * 4);
-    bvxi_free(s->ctx, t->next, loop * 4);
-    bvxi_free(s->ctx, (void *)t->at, loop * sizeof *t->at);
-    bvxi_free(s->ctx, t->faces, loop);
-    bvxi_free(s->ctx, t->vertex, loop * 4);
-    bvxi_free(s->ctx, t->insert, (uint64_t)t->insert_room * sizeof *t->insert);
-    for (int k = 2; k-- > 0;) {
-        bvxi_free(s->ctx, t->cross[k], (uint64_t)t->cross_room * 4);
-        bvxi_free(s->ctx, t->row[k], (uint64_t)t->row_room * 4);
-        bvxi_free(s->ctx, t->gathered[k], (uint64_t)t->gathered_room[k] * sizeof *t->gathered[k]);
-    }
-    bvxi_free(s->ctx, t->end, (uint64_t)t->end_room * sizeof *t->end);
-    bvxi_free(s->ctx, t->point, (uint64_t)t->point_room * sizeof *t->point);
-    bvxi_free(s->ctx, t->node, (uint64_t)t->node_room * sizeof *t->node);
-    bvxi_map_free(s, &t->folds);
-}
-
 /* ---- crossings of contours ---- */
 
 static bvx_status gather_ends(bvxi_trace *t)
@@ -183,37 +94,6 @@ static bvx_status sort_side(bvxi_trace *t, int side, int k, uint32_t *count)
 
 /* ---- round the cell ---- */
 
-static bvx_status open_rows(bvxi_trace *t)
-{
-    bvxi_stack *const s = t->s;
-    uint32_t const need = t->end_count + 1, crossings = t->node_count + 1;
-    for (int which = 0; which < 2; which++) {
-        uint32_t *const room = which == 0 ? &t->row_room : &t->cross_room;
-        uint64_t const wanted = which == 0 ? need : crossings, larger = wanted + wanted / 2 + 16;
-        if (wanted <= *room) continue;
-        for (int k = 0; k < 2; k++) {
-            uint32_t **const rows = which == 0 ? &t->row[k] : &t->cross[k];
-            uint32_t *made;
-            bvx_status const status = bvxi_alloc(s->ctx, BVXI_SCRATCH, larger * 4, "the crossings of a side", &made);
-            if (status != BVX_OK) { /* both rows keep one length */
-                if (k == 1) {
-                    uint32_t **const done = which == 0 ? &t->row[0] : &t->cross[0];
-                    bvxi_free(s->ctx, *done, larger * 4);
-                    *done = NULL;
-                    bvxi_free(s->ctx, *rows, (uint64_t)*room * 4);
-                    *rows = NULL;
-                    *room = 0;
-                }
-                return status;
-            }
-            bvxi_free(s->ctx, *rows, (uint64_t)*room * 4);
-            *rows = made;
-        }
-        *room = (uint32_t)larger;
-    }
-    return BVX_OK;
-}
-
 /* How many of a row's crossings lie before a node. */
 static uint32_t count_before(const bvxi_trace *t, const bvxi_plane *p, const uint32_t *row, uint32_t from, uint32_t count, int side, const int32_t at[2])
 {
@@ -266,104 +146,6 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
     return BVX_OK;
 }
 
-/* ---- loops ---- */
-
-/* Where a contour's stretch of the ring ends, given one place in it. */
-static void ring_of(const bvxi_plane *p, uint32_t point, uint32_t *first, uint32_t *end)
-{
-    uint32_t low = 0, high = p->contour_count;
-    while (high - low > 1) {
-        uint32_t const middle = low + (high - low) / 2;
-        if (p->contour[middle].first <= point) low = middle;
-        else high = middle;
-    }
-    *first = p->ring[p->contour[low].first];
-    *end = low + 1 < p->contour_count ? p->ring[p->contour[low + 1].first] : p->ring_count;
-}
-
-/* The ring's vertices between two cuts, forwards or backwards. */
-static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back, uint32_t *count)
-{
-    const bvxi_plane *const p = t->level[k].plane;
-    uint32_t const face = k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE;
-    uint32_t first, end, i = p->cut[back ? a->to : a->from].ring, stop = p->cut[back ? a->from : a->to].ring;
-    ring_of(p, p->cut[a->from].segment, &first, &end);
-    for (;;) {
-        if (back) i = i == first ? end - 1 : i - 1;
-        else i = i + 1 == end ? first : i + 1;
-        if (i == stop) return BVX_OK;
-        BVXI_TRY(bvxi_trace_add_to_loop(t, count, p->vertex + i, face));
-    }
-}
-
-static bvx_status fill_traced(bvxi_trace *t, uint32_t count)
-{
-    bvxi_loop_fill l;
-    l.count = count;
-    l.vertex = t->vertex;
-    l.faces = t->faces;
-    l.at = t->at;
-    l.next = t->next;
-    l.before = t->before;
-    l.low = t->low;
-    l.size = t->size;
-    l.low_w = t->low_w;
-    l.high_w = t->high_w;
-    return bvxi_fill_loop(t->s, &l);
-}
-
-/* The lines of a body's first and last plane are what a flat cap ends at. from: the loop's place behind the first vertex. */
-static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t count, uint32_t last)
-{
-    bvxi_stack *const s = t->s;
-    const bvxi_plane *const p = t->level[k].plane;
-    if (s->options.caps != BVX_CAPS_FLAT || p == NULL || p != &s->plane[k == 0 ? 0 : s->plane_count - 1]) return BVX_OK;
-    for (uint32_t i = from - 1; i < count; i++) {
-        uint32_t const a = t->vertex[i], b = i + 1 < count ? t->vertex[i + 1] : last;
-        uint32_t *e;
-        BVXI_TRY(bvxi_slab_grow(s, &s->cap_edge[k], s->cap_edge_count[k], &s->cap_edge_room[k], sizeof *s->cap_edge[k], "the lines of a cap"));
-        e = s->cap_edge[k][s->cap_edge_count[k]++];
-        e[0] = k == 0 ? a : b;
-        e[1] = k == 0 ? b : a;
-    }
-    return BVX_OK;
-}
-
-static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
-{
-    uint32_t count = 0, i = start;
-    do {
-        bvxi_trace_point *const p = &t->point[i];
-        if (p->seen || p->next == BVXI_NONE)
-            return bvxi_fail(t->s->ctx, BVX_ERR_FORMAT, "%s: the surface does not close in the grid cell (%u, %u)", t->s->function,
-                             (uint64_t)(t->number % (uint32_t)t->s->size[0]), (uint64_t)(t->number / (uint32_t)t->s->size[0]));
-        p->seen = 1;
-        BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex, p->faces));
-        if (p->link == BVXI_LINK_ARC || p->link == BVXI_LINK_ARC_BACK) {
-            int const k = p->link == BVXI_LINK_ARC_BACK;
-            BVXI_TRY(follow_ring(t, k, &t->arc[k][p->arc], k, &count));
-        } else if (p->link == BVXI_LINK_FIELD || p->link == BVXI_LINK_FIELD_BACK) {
-            int const k = p->link == BVXI_LINK_FIELD_BACK;
-            uint32_t const start_count = count;
-            BVXI_TRY(bvxi_trace_insert(t, k, i, p->next, k, &count));
-            BVXI_TRY(keep_cap_lines(t, k, start_count, count, t->point[p->next].vertex));
-        }
-        i = t->point[i].next;
-    } while (i != start);
-    return fill_traced(t, count);
-}
-
-/* A loop of a section that lies in the cell whole: closed by a cone. */
-static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
-{
-    const bvxi_plane *const p = t->level[k].plane;
-    uint32_t first, end, count = 0;
-    ring_of(p, a->point, &first, &end);
-    for (uint32_t i = first; i < end; i++)
-        BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)), k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE));
-    return fill_traced(t, count);
-}
-
 /* ---- the cell ---- */
 
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
@@ -372,18 +154,11 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
     t->point_count = 0;
     BVXI_TRY(bvxi_trace_nodes(t, corner));
     BVXI_TRY(gather_ends(t));
-    BVXI_TRY(open_rows(t));
-    BVXI_TRY(open_loop(t, (uint64_t)t->node_count + 16));
+    BVXI_TRY(bvxi_trace_open_rows(t));
+    BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)t->node_count + 16));
     BVXI_TRY(link_sides(t, corner, t->next)); /* the loop's scratch holds the nodes' points until loops are followed */
     link_arcs(t);
     for (int k = 0; k < 2; k++)
         if (t->level[k].kind == BVXI_PLANE_FIELD) BVXI_TRY(bvxi_trace_face(t, k));
-    for (uint32_t i = 0; i < t->point_count; i++)
-        if (!t->point[i].seen) BVXI_TRY(follow_loop(t, i));
-    for (int k = 0; k < 2; k++) {
-        if (t->level[k].kind != BVXI_PLANE_EXACT) continue;
-        for (uint32_t i = 0; i < t->arc_count[k]; i++)
-            if (t->arc[k][i].from == BVXI_NONE) BVXI_TRY(fill_inner_loop(t, k, &t->arc[k][i]));
-    }
-    return BVX_OK;
+    return bvxi_trace_loops(t);
 }

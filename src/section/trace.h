@@ -14,7 +14,7 @@ typedef struct bvxi_level {
     bvxi_plane *plane;          /* EXACT, and FIELD on a section */
     double t, w;
     bvxi_vertex_map *edges;     /* FIELD: crossings by edge */
-    const bvxi_cell_arcs *arcs; /* FIELD on a section: contour points by cell */
+    int inserts;                /* FIELD on a section: contour points are put into its lines */
 } bvxi_level;
 
 /* A corner of the cell, or of a finer one on its side. */
@@ -49,12 +49,10 @@ typedef struct bvxi_trace {
     bvxi_vertex_map folds;      /* vertices on sides where a contour comes back */
     /* the cell */
     int32_t low[2], size;
-    uint32_t number;            /* of the grid cell */
+    uint32_t key;               /* of the grid cell */
     int beside_split;           /* 1: it or a cell beside it was subdivided */
     const bvxi_arc *arc[2];
     uint32_t arc_count[2];
-    bvxi_arc *gathered[2];      /* of a cell of the grid */
-    uint32_t gathered_room[2];
     bvxi_trace_node *node;
     uint32_t node_count, node_room;
     bvxi_trace_point *point;
@@ -71,6 +69,8 @@ typedef struct bvxi_trace {
     } *insert;                  /* contour points of one line */
     uint32_t insert_room;
     /* a loop */
+    uint32_t loop_count, strips; /* so far in the cell */
+    uint32_t choice;            /* how each is filled */
     uint32_t loop_room;
     uint32_t *vertex;
     uint8_t *faces;
@@ -78,7 +78,31 @@ typedef struct bvxi_trace {
     uint32_t *next, *before;
 } bvxi_trace;
 
+/* Room for what most cells need, so that arrays seldom grow. loop: vertices of the longest loop that is likely. */
+bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
+/* Room for a loop of count vertices; for the crossings of the cell. */
+bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
+bvx_status bvxi_trace_open_rows(bvxi_trace *t);
+/* trace_loops.c: the loops of the cell, once its points are linked. */
+bvx_status bvxi_trace_loops(bvxi_trace *t);
+/* How much there was before a cell's loops were filled. */
+typedef struct bvxi_trace_made {
+    uint64_t triangles, vertices, inner;
+    uint32_t cap_edges[2];
+} bvxi_trace_made;
+/* Before the loops of a cell are filled; choice: how each is, digits to the base of three. */
+void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made);
+/* As if they had not been. */
+void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made);
+/* 1 when triangles of the cell cross. */
+int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made);
+/* uncross.c: 1 when triangles from a number on cross. */
+int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
 void bvxi_trace_free(bvxi_trace *t);
+/* Triangles inside the loop of count vertices that vertex and faces hold: one more of the cell. */
+bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
+/* Where a contour's stretch of the ring that holds a place begins and ends. */
+void bvxi_ring_stretch(const bvxi_plane *plane, uint32_t place, uint32_t *first, uint32_t *end);
 /* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t);
 /* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */

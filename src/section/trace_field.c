@@ -43,7 +43,7 @@ bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const
 
 static void uv_of_vertex(const bvxi_trace *t, uint32_t vertex, double uv[2])
 {
-    const double *const p = t->s->mesh.position + 3 * (uint64_t)vertex;
+    const double *const p = bvxi_section_vertex(t->s, vertex);
     for (int k = 0; k < 2; k++) {
         const double *const axis = t->s->axis[k];
         uv[k] = (axis[0] * p[0] + axis[1] * p[1]) + axis[2] * p[2];
@@ -113,12 +113,13 @@ bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, i
     const bvxi_level *const level = &t->level[k];
     bvxi_plane *const p = level->plane;
     uint32_t const face = k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE;
-    uint32_t n = 0;
+    uint32_t n = 0, first, arcs;
     double a[2], b[2];
-    if (level->arcs == NULL) return BVX_OK;
+    if (!level->inserts) return BVX_OK;
     uv_of_vertex(t, t->point[back ? to : from].vertex, a);
     uv_of_vertex(t, t->point[back ? from : to].vertex, b);
-    for (uint32_t arc = level->arcs->head[t->number]; arc != BVXI_NONE; arc = level->arcs->link[arc]) {
+    first = bvxi_plane_arcs_in(p, t->key, &arcs);
+    for (uint32_t arc = first; arc < first + arcs; arc++) {
         uint32_t i = p->arc[arc].point;
         BVXI_TRY(bvxi_slab_grow(t->s, &t->insert, n + p->arc[arc].count, &t->insert_room, sizeof *t->insert, "the contour points of a cell"));
         while (t->insert_room <= n + p->arc[arc].count)

@@ -7,7 +7,11 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
     const bvxi_slab *const slab = t->field->slab;
     int const along = side & 1, across = 1 - along; /* sides 0 and 2 run along u */
     int32_t const line = t->low[across] + (side == 1 || side == 2 ? t->size : 0), from = t->low[along], to = from + t->size;
-    uint32_t low = 0, high = slab->hanging_count, n;
+    const uint32_t *const start = (along == 0 ? t->field->hanging_row : t->field->hanging_column) + (line >> t->s->fine);
+    uint32_t low, high, n;
+    if (slab->hanging_count == 0) return BVX_OK;
+    low = start[0];
+    high = start[1];
     while (low < high) { /* the first beyond the side's low end */
         uint32_t const middle = low + (high - low) / 2;
         const int32_t *const at = slab->hanging[along == 0 ? middle : slab->by_u[middle]].at;
@@ -64,12 +68,13 @@ static bvx_status add_corner(bvxi_trace *t, int i)
     n->inside[1] = 1;
     if ((n->at[0] & part) == 0 && (n->at[1] & part) == 0) {
         int32_t const x = n->at[0] >> fine, y = n->at[1] >> fine;
-        size_t const number = (size_t)y * (size_t)(t->s->size[0] + 1) + (size_t)x;
+        uint32_t const number = bvxi_line_number(t->field, x, y);
         for (int k = 0; k < 2; k++) n->on[k] = (uint8_t)bvxi_grid_bit(t->s, slab->plane[k], x, y);
-        n->vertex = n->on[0] != n->on[1] ? t->field->vertex[number] : BVXI_NONE;
-        n->inside[0] = t->field->layers > 1 ? t->field->layer[number] : 0;
+        n->vertex = n->on[0] != n->on[1] ? t->field->first + number : BVXI_NONE;
+        n->inside[0] = t->field->layers > 1 && n->on[0] != n->on[1] ? t->field->layer[number] : 0;
     } else {
-        uint32_t low = 0, high = slab->hanging_count;
+        const uint32_t *const start = t->field->hanging_row + (n->at[1] >> fine);
+        uint32_t low = start[0], high = start[1];
         while (low < high) {
             uint32_t const middle = low + (high - low) / 2;
             const int32_t *const at = slab->hanging[middle].at;

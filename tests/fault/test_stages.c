@@ -196,6 +196,21 @@ static bvx_status check(void *user, bvx_context *ctx)
     return end_with_plain(bvx_mesh_check(ctx, &holes_view, 1, &certificate), &certificate, sizeof certificate);
 }
 
+static bvx_status normals(void *user, bvx_context *ctx)
+{
+    enum { MOST = 512 };
+    static const float empty[2][3 * MOST] = {{0}};
+    static float vectors[2][3 * MOST];
+    bvx_status status;
+    (void)user;
+    assert_true(star_view.vertex_count <= MOST && star_view.triangle_count <= MOST);
+    memset(vectors, 0, sizeof vectors);
+    status = bvx_mesh_normals(ctx, &star_view, 1, vectors[0], vectors[1]);
+    if (status == BVX_OK) mark = bvx_hash(vectors, sizeof vectors, 0);
+    else note_left(vectors, empty, sizeof vectors);
+    return status;
+}
+
 static bvx_status distance(void *user, bvx_context *ctx)
 {
     bvx_distance_report report;
@@ -324,6 +339,7 @@ static const stage stages[] = {
     {"count", extract_count, 1, 1},
     {"merge", merge, 1, 1},
     {"check", check, 0, 1},
+    {"normals", normals, 0, 1},
     {"distance", distance, 1, 1},
     {"read STL", read_stl, 1, 1},
     {"read OBJ", read_obj, 1, 1},

@@ -1,5 +1,5 @@
 /* fuzz_calls.c - what else is done with random meshes and their grids: comparisons, distances, carrying, dense fields, slices to
- * sections and back to bodies, trees chosen and asked, pictures, files by parts. Many threads give what one gives. */
+ * sections and back to bodies, normals, trees chosen and asked, pictures, files by parts. Many threads give what one gives. */
 #include "fuzz_input.h"
 
 static void fuzz_compare(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, const bvx_lattice *lattice)
@@ -99,6 +99,17 @@ static void fuzz_distances(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m,
     if (fuzz_good(ctx, bvx_mesh_carry(ctx, &source, surface))) fuzz_require(surface->colours != NULL, "colours that were not carried");
 }
 
+static void fuzz_normals(bvx_context *ctx, fuzz_input *in, const bvx_mesh_view *view)
+{
+    static float vertex[3 * FUZZ_VERTICES], facet[3 * FUZZ_TRIANGLES];
+    if (!fuzz_good(ctx, bvx_mesh_normals(ctx, view, fuzz_range(in, 0, 1), vertex, facet))) return;
+    for (uint64_t i = 0; i < view->vertex_count + view->triangle_count; i++) {
+        const float *const n = i < view->vertex_count ? vertex + 3 * i : facet + 3 * (i - view->vertex_count);
+        double const square = ((double)n[0] * n[0] + (double)n[1] * n[1]) + (double)n[2] * n[2];
+        fuzz_require(square > 0.99999 && square < 1.00001, "a normal that is not of length 1");
+    }
+}
+
 static void fuzz_chosen_tree(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m)
 {
     bvx_refine_options o;
@@ -186,13 +197,14 @@ static void fuzz_one(fuzz_input *in)
         bvx_extract_options_init(&o, sizeof o);
         o.position_type = BVX_F64;
         fuzz_must(ctx, bvx_extract_surface(ctx, &solid, &o, &surface));
-        switch (fuzz_range(in, 0, 6)) {
+        switch (fuzz_range(in, 0, 7)) {
         case 0: fuzz_compare(ctx, in, &m, &lattice); break;
         case 1: fuzz_dense(ctx, in, &m, &lattice); break;
         case 2: if (surface.triangle_count > 0) fuzz_slices(ctx, other, in, &surface); break;
         case 3: if (surface.triangle_count > 0) fuzz_distances(ctx, in, &m, &surface); break;
         case 4: fuzz_chosen_tree(ctx, in, &m); break;
         case 5: fuzz_pictures(ctx, other, in, &m, &solid); break;
+        case 6: fuzz_normals(ctx, in, &m.view); break;
         default: fuzz_parts(ctx, &solid);
         }
     }

@@ -306,6 +306,7 @@ static void bare_cases(golden *g)
 #include "voxel_cases.h"
 #include "field_cases.h"
 #include "query_cases.h"
+#include "section_cases.h"
 #include "algebra_cases.h"
 
 static const struct {
@@ -325,6 +326,7 @@ static const struct {
     {"tree_questions", tree_question_cases},
     {"files", file_cases},
     {"pictures", picture_cases},
+    {"sections", section_cases},
     {"algebra", algebra_cases},
 };
 

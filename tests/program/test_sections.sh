@@ -92,6 +92,22 @@ gives 'blocks of an open body' 2 'closed body' sections prism.csv -o x.ply --cap
 gives 'another label' 1 'no loop has the label 4' sections prism.csv -o x.ply --label 4
 sed 's/^1,0,2,6,5$/1,0,2,60,5/' prism.csv >crossed.csv
 gives 'loops that cross' 1 'cross or touch' sections crossed.csv -o x.ply
+sed -n '1p;/^1,/p' prism.csv >single.csv
+gives 'a single section' 1 'in one section alone (number 0, at 0)' sections single.csv -o x.ply
+sed 's/^2,4/2,0/' prism.csv >repeated.csv
+gives 'two sections at one position' 1 'sections 0 and 1 lie at one position, 0' sections repeated.csv -o x.ply
+head -n 1 prism.csv >empty.csv
+gives 'a table without lines' 1 'the file holds no loop' sections empty.csv -o x.ply
+gives 'open polylines' 1 'line 6: the loop that ends before this line is open' sections prism.csv -o x.ply --close-gap 0.5
+gives 'polylines that are nearly closed' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --close-gap 8
+printf 'CSLC\n2 1\n1 3 1 0 0 1 0\n0 0 0 4 0 0 4 4 0\n3 1 0 1 2\n2 3 1 0 0 1 -1\n0 0 1 4 0 1 4 4 1.2\n3 1 0 1 2\n' >off.csl
+gives 'points off their plane' 1 'off its plane' sections off.csl -o x.ply
+sed 's/^2 3 1 0 0 1/2 3 1 0 0.1 1/' off.csl >tilted.csl
+gives 'planes that are not parallel' 1 'line 6: the plane is not parallel to the first one' sections tilted.csl -o x.ply
+gives 'no polylines in .csl' 2 '--close-gap is for .csv' sections off.csl -o x.ply --close-gap 1
+"$program" sections - --format csv -o piped.ply <prism.csv >out 2>err
+if [ $? = 0 ] && grep -q 'standard input' out; then ok 'contours from standard input'; else not_ok 'contours from standard input' "$(cat out)"; fi
+gives 'standard input without a format' 2 'say it with --format' sections - -o x.ply
 if [ -e x.ply ] || [ -e b.csv ]; then not_ok 'refusals leave no file' 'x.ply or b.csv is there'; else ok 'refusals leave no file'; fi
 
 gives 'slice' 0 'planes' slice "$knot" -o knot.csl --spacing 0.05

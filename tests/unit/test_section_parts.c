@@ -1,6 +1,6 @@
 /* test_section_parts.c - what bodies from sections stand on: inside tests of grid points and of corners of subdivided cells against a
  * count of exact crossings, distances against all segments, rings, loops that touch, caps. */
-#include "section/slab.h"
+#include "section/slab_fill.h"
 #include "tools/section_maker.h"
 #include "unity.h"
 
@@ -94,18 +94,30 @@ static void test_segments_through_grid_points(void)
     for (int32_t scale = 0; scale < 3; scale++) {
         bvxi_plane *const p = &stack.plane[0];
         bvxi_plane fresh = *p;
-        uint64_t bits[9 * 2];
+        bvxi_line_cut cuts[200];
+        bvxi_arc arcs[200], loose_arcs[200];
+        bvxi_ring_arc ring_arcs[200];
+        uint32_t cells[200], asking[200], loose_cells[200], order[2][200], start[9];
+        bvxi_arc_scratch const scratch = {loose_arcs, loose_cells, {order[0], order[1]}, start};
+        uint64_t bits[9 * 2], cut_count, arc_count;
         memset(bits, 0, sizeof bits);
         for (int i = 0; i < 4; i++)
             for (int a = 0; a < 2; a++) p->q[i][a] = (int32_t)((uint32_t)corner[i][a] << (stack.fine - 1)) + 1; /* grid lines are even */
-        fresh.arc = NULL;
-        fresh.arc_cell = NULL;
-        fresh.cut = NULL;
-        fresh.arc_count = fresh.cut_count = fresh.cut_room = 0;
+        fresh.arc = arcs;
+        fresh.ring_arc = ring_arcs;
+        fresh.arc_cell = cells;
+        fresh.asking = asking;
+        fresh.cut = cuts;
+        fresh.cut_room = 200;
+        fresh.arc_count = fresh.cut_count = fresh.asking_count = 0;
         fresh.inside = bits;
         for (int i = 0; i < 4; i++) /* even and odd places of the diagonals against the lines */
             p->q[i][0] += 2 * scale;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_plane_cut(&stack, &fresh));
+        bvxi_plane_count_cuts(&stack, &fresh, &cut_count, &arc_count);
+        TEST_ASSERT_TRUE(cut_count <= 200);
+        bvxi_plane_cut(&stack, &fresh, &scratch);
+        TEST_ASSERT_EQUAL_UINT64(cut_count, fresh.cut_count);
+        TEST_ASSERT_EQUAL_UINT64(arc_count, fresh.arc_count);
         for (int32_t y = 0; y <= 8; y++)
             for (int32_t x = 0; x <= 8; x++) {
                 fresh.inside = bits;
@@ -116,9 +128,6 @@ static void test_segments_through_grid_points(void)
                     hits += s == 0;
                 }
             }
-        bvxi_free(ctx, fresh.arc_cell, fresh.arc_count * 4ull);
-        bvxi_free(ctx, fresh.arc, fresh.arc_count * sizeof *fresh.arc);
-        bvxi_free(ctx, fresh.cut, fresh.cut_room * sizeof *fresh.cut);
     }
     bvxi_stack_close(&stack);
     TEST_ASSERT_TRUE(hits > 10); /* the ties did occur */
@@ -173,7 +182,12 @@ static void test_distances_against_all_segments(void)
             uint32_t hint = BVXI_NONE;
             for (int j = 0; j < 200; j++) {
                 double const u = maker_between(&seed, -2, 5, 10000), v = maker_between(&seed, -2, 5, 10000);
-                TEST_ASSERT_DOUBLE_WITHIN(1e-12, oracle_distance(&stack.plane[0], u, v), bvxi_plane_distance(&stack.plane[0], u, v, &hint));
+                double const d = bvxi_plane_distance(&stack.plane[0], u, v, &hint);
+                TEST_ASSERT_DOUBLE_WITHIN(1e-12, oracle_distance(&stack.plane[0], u, v), d);
+                for (int k = 0; k < 3; k++) { /* bit by bit the same from wherever it begins */
+                    uint32_t other = (uint32_t)maker_below(&seed, (int32_t)stack.plane[0].point_count);
+                    TEST_ASSERT_TRUE(bvxi_plane_distance(&stack.plane[0], u, v, &other) == d);
+                }
             }
             n++;
         }
@@ -190,12 +204,11 @@ static void test_rings_run_along_the_loops(void)
         uint32_t count = 0;
         if (open_random(&seed, 0)) {
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_slabs_make(&stack, &slabs, &count));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_rings_make(&stack));
             for (uint32_t k = 0; k < stack.plane_count; k++) {
-                bvxi_plane *const p = &stack.plane[k];
+                const bvxi_plane *const p = &stack.plane[k];
                 if (p->contour_count == 0) continue;
-                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_plane_ring(&stack, p));
                 TEST_ASSERT_TRUE(p->ring_count >= p->point_count + p->grid_cut_count && p->ring_count <= p->point_count + p->cut_count);
-                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_plane_emit(&stack, p));
                 for (uint32_t c = 0; c < p->cut_count; c++, cuts++) {
                     uint32_t const from = p->ring[p->cut[c].segment];
                     uint32_t const end = p->cut[c].segment + 1 < p->point_count ? p->ring[p->cut[c].segment + 1] : p->ring_count;
@@ -282,12 +295,136 @@ static void test_simple_loops_against_all_pairs(void)
         p.contour = &c;
         p.point_count = (uint32_t)n;
         p.contour_count = 1;
+        bvxi_segment_box sorted[8], active[8];
         int const expected = oracle_is_simple(&p), is = bvxi_plane_check_simple(&stack, &p) == BVX_OK;
         TEST_ASSERT_EQUAL_INT(expected, is);
+        TEST_ASSERT_EQUAL_INT(expected, bvxi_plane_is_simple(&p, sorted, active));
         simple += (uint64_t)is;
         crossed += (uint64_t)!is;
     }
     TEST_ASSERT_TRUE(simple > 1000 && crossed > 1000);
+}
+
+/* Points that fall on each other, and an order that insertion would be slow at, are left to the full check. */
+static void test_quick_check_leaves_what_it_is_not_sure_of(void)
+{
+    enum { TEETH = 700 };
+    static int32_t q[2 * TEETH + 2][2];
+    static uint32_t next[2 * TEETH + 2];
+    static bvxi_segment_box sorted[2 * TEETH + 2], active[2 * TEETH + 2];
+    bvxi_plane p;
+    memset(&p, 0, sizeof p);
+    p.q = q;
+    p.next = next;
+    for (int pass = 0; pass < 3; pass++) {
+        uint32_t n = 0;
+        if (pass == 1) { /* a far corner makes one bucket of all teeth, whose order falls */
+            q[n][0] = 1 << 28;
+            q[n++][1] = 4 * TEETH + 9;
+        }
+        for (int32_t i = 0; i < TEETH; i++) {
+            int32_t const left = pass == 1 ? 2 * (TEETH - i) + 1 : 2 * i + 1;
+            q[n][0] = left;
+            q[n++][1] = 4 * i + 1;
+            q[n][0] = left + (pass == 1 ? 100001 : 1);
+            q[n++][1] = 4 * i + 3;
+        }
+        if (pass != 1) {
+            q[n][0] = 1;
+            q[n++][1] = 4 * TEETH + 9;
+        }
+        if (pass == 2) memcpy(q[7], q[6], sizeof q[7]);
+        for (uint32_t i = 0; i < n; i++) next[i] = i + 1 == n ? 0 : i + 1;
+        p.point_count = n;
+        TEST_ASSERT_EQUAL_INT(pass == 0, bvxi_plane_is_simple(&p, sorted, active));
+    }
+}
+
+static int side_of_cut(const bvxi_plane *p, uint32_t cut, uint32_t key)
+{
+    int32_t const low[2] = {(int32_t)((key & 0xffff) << stack.fine), (int32_t)((key >> 16) << stack.fine)};
+    return bvxi_side_of(&p->cut[cut], low);
+}
+
+/* Arcs of a cell are found, in the order of the cells; those cells ask for subdivision that are crossed twice on a side or hold a loop. */
+static void test_arcs_by_cell(void)
+{
+    uint64_t seed = 10, asking = 0;
+    for (int i = 0; i < 25; i++) {
+        if (open_random(&seed, 0))
+            for (uint32_t k = 0; k < stack.plane_count; k++) {
+                const bvxi_plane *const p = &stack.plane[k];
+                uint32_t found = 0, asked = 0;
+                for (int32_t y = 0; y < stack.size[1]; y++)
+                    for (int32_t x = 0; x < stack.size[0]; x++) {
+                        uint32_t const key = bvxi_cell_key(x, y);
+                        uint32_t count, ends[4] = {0, 0, 0, 0};
+                        uint32_t const first = bvxi_plane_arcs_in(p, key, &count);
+                        int asks = 0;
+                        TEST_ASSERT_TRUE(count == 0 || first == found);
+                        for (uint32_t a = first; a < first + count; a++) {
+                            const bvxi_ring_arc *const r = &p->ring_arc[a];
+                            TEST_ASSERT_EQUAL_UINT32(key, p->arc_cell[a]);
+                            if (p->arc[a].from == BVXI_NONE) {
+                                asks = 1;
+                                continue;
+                            }
+                            TEST_ASSERT_EQUAL_INT(side_of_cut(p, p->arc[a].from, key), r->from_side);
+                            TEST_ASSERT_EQUAL_INT(side_of_cut(p, p->arc[a].to, key), r->to_side);
+                            asks |= ends[r->from_side]++ != 0;
+                            asks |= ends[r->to_side]++ != 0;
+                        }
+                        found += count;
+                        if (asks) TEST_ASSERT_TRUE(asked < p->asking_count && p->asking[asked++] == key);
+                    }
+                TEST_ASSERT_EQUAL_UINT32(p->arc_count, found);
+                TEST_ASSERT_EQUAL_UINT32(p->asking_count, asked);
+                asking += asked;
+            }
+        bvxi_stack_close(&stack);
+    }
+    TEST_ASSERT_TRUE(asking > 100);
+}
+
+/* The same vertices and triangles in the same order, whether plain cells are told from others or not. */
+static void test_plain_cells_are_what_tracing_gives(void)
+{
+    uint64_t seed = 11, triangles = 0;
+    for (int i = 0; i < 25; i++) {
+        bvxi_slab *slabs = NULL;
+        uint32_t count = 0;
+        if (open_random(&seed, i % 3 == 0 ? 16 : 0)) {
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_slabs_make(&stack, &slabs, &count));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_rings_make(&stack));
+            for (uint32_t n = 0; n < stack.slab_count; n++) {
+                bvxi_section_mesh m[2];
+                for (int k = 0; k < 2; k++) {
+                    bvxi_stack view = stack;
+                    bvxi_slab_work w;
+                    memset(&view.mesh, 0, sizeof view.mesh);
+                    view.ring_position = stack.mesh.position;
+                    view.ring_vertices = (uint32_t)stack.mesh.vertex_count;
+                    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_slab_work_open(&w, &view, (uint32_t)((stack.size[0] + 1) * (stack.size[1] + 1)), 64));
+                    w.only_traced = k;
+                    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_slab_fill(&w, &slabs[n]));
+                    bvxi_slab_work_close(&w);
+                    m[k] = view.mesh;
+                }
+                TEST_ASSERT_EQUAL_UINT64(m[1].vertex_count, m[0].vertex_count);
+                TEST_ASSERT_EQUAL_UINT64(m[1].triangle_count, m[0].triangle_count);
+                TEST_ASSERT_TRUE(m[0].vertex_count == 0 || memcmp(m[0].position, m[1].position, (size_t)m[0].vertex_count * 24) == 0);
+                TEST_ASSERT_TRUE(m[0].triangle_count == 0 || memcmp(m[0].triangle, m[1].triangle, (size_t)m[0].triangle_count * 12) == 0);
+                triangles += m[0].triangle_count;
+                for (int k = 0; k < 2; k++) {
+                    bvxi_free(ctx, m[k].triangle, m[k].triangle_room * 12);
+                    bvxi_free(ctx, m[k].position, m[k].vertex_room * 24);
+                }
+            }
+        }
+        bvxi_slabs_free(&stack, slabs, count);
+        bvxi_stack_close(&stack);
+    }
+    TEST_ASSERT_TRUE(triangles > 5000);
 }
 
 int main(void)
@@ -299,5 +436,8 @@ int main(void)
     RUN_TEST(test_distances_against_all_segments);
     RUN_TEST(test_rings_run_along_the_loops);
     RUN_TEST(test_simple_loops_against_all_pairs);
+    RUN_TEST(test_quick_check_leaves_what_it_is_not_sure_of);
+    RUN_TEST(test_arcs_by_cell);
+    RUN_TEST(test_plain_cells_are_what_tracing_gives);
     return UNITY_END();
 }

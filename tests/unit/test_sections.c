@@ -262,6 +262,49 @@ static void test_torus_with_its_axis_in_the_plane(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * volume, volume, certificate.volume);
 }
 
+/* Needles beside a block, narrower on each turn: from some width on they enclose no area for sections, so slices leave them out. */
+static void test_slices_leave_out_what_encloses_no_area(void)
+{
+    static const double width[] = {1e-3, 1e-6, 1e-9, 1e-12, 1e-15};
+    static maker_mesh block;
+    uint64_t loops = 2;
+    for (int turn = 0; turn < 5; turn++) {
+        bvx_slice_options slice;
+        bvx_sections cut;
+        memset(&cut, 0, sizeof cut);
+        for (uint32_t i = 0; i < 8; i++) maker_vertex(&block, 4.0 * (i & 1), 4.0 * (i >> 1 & 1), i >> 2);
+        for (uint32_t i = 0; i < 4; i++) { /* a corner at the bottom, three at the top */
+            double const x = 6.0 + width[turn] * (i == 2), y = 1.0 + width[turn] * (i == 3);
+            maker_vertex(&block, x, y, i == 0 ? 0.0 : 1.0);
+        }
+        for (uint32_t i = 0; i < 3; i++) { /* pairs of opposite sides */
+            uint32_t const a = UINT32_C(1) << i, b = UINT32_C(1) << (i + 1) % 3, c = UINT32_C(1) << (i + 2) % 3;
+            maker_triangle(&block, 0, b, a + b);
+            maker_triangle(&block, 0, a + b, a);
+            maker_triangle(&block, c, c + a + b, c + b);
+            maker_triangle(&block, c, c + a, c + a + b);
+            maker_triangle(&block, 8, 9 + (i + 1) % 3, 9 + i);
+        }
+        maker_triangle(&block, 9, 10, 11);
+        bvx_mesh_view const view = maker_view(&block);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &certificate));
+        TEST_ASSERT_TRUE(certificate.closed && certificate.oriented);
+        bvx_slice_options_init(&slice, sizeof slice);
+        slice.spacing = 0.5;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_slice_mesh(ctx, &view, &slice, &cut));
+        TEST_ASSERT_EQUAL_UINT64(2, cut.section_count);
+        if (turn == 0) TEST_ASSERT_EQUAL_UINT64(4, cut.loop_count);
+        if (turn >= 2) TEST_ASSERT_EQUAL_UINT64(2, cut.loop_count);
+        TEST_ASSERT_TRUE(turn == 0 || cut.loop_count <= loops);
+        loops = cut.loop_count;
+        bvx_status const status = bvx_build_sections(ctx, &cut, &o, &mesh);
+        bvx_sections_free(ctx, &cut);
+        maker_free(&block);
+        if (status != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
+        bvx_mesh_free(ctx, &mesh);
+    }
+}
+
 /* One loop below, two above: a Y. */
 static void test_branching(void)
 {
@@ -337,6 +380,83 @@ static void test_three_sections_behave(void)
     TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
     TEST_ASSERT_TRUE(certificate.low[2] == 0.0 && certificate.high[2] == 6.0);
     TEST_ASSERT_TRUE(certificate.low[0] > -1.01 && certificate.high[0] < 10.3);
+}
+
+static double highest_in(double low_x, double high_x)
+{
+    double most = -1e300;
+    for (uint64_t v = 0; v < mesh.vertex_count; v++) {
+        const double *const p = (const double *)mesh.positions + 3 * v;
+        if (p[0] > low_x && p[0] < high_x && p[2] > most) most = p[2];
+    }
+    return most;
+}
+
+/* A part that the next section lacks narrows to a ridge half way to it, however far off that section's other parts are; so does every part
+ * beyond the last section, whatever its width. */
+static void test_each_part_tapers_by_itself(void)
+{
+    for (int layers = 1; layers <= 3; layers += 2)
+        for (int far = 4; far <= 64; far *= 4) {
+            stack_clear(&stack);
+            for (int i = 0; i < 3; i++) {
+                uint32_t const k = stack_section(&stack, i);
+                if (i < 2) stack_round(&stack, k, 0, 0, 1, 1, 64, 0, 0, 0);
+                stack_round(&stack, k, far, 0, 2, 2, 64, 0, 0, 0);
+            }
+            o.caps = BVX_CAPS_TAPER;
+            o.layers = layers;
+            o.spacing = 0.1;
+            build_good();
+            TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
+            TEST_ASSERT_DOUBLE_WITHIN(0.05, 1.5, highest_in(-1.5, 1.5)); /* 1 and half of 1 */
+            TEST_ASSERT_DOUBLE_WITHIN(0.05, 2.5, highest_in(far - 2.5, far + 2.5));
+            double const small = pi * (1.0 + 2 * 0.5 / 3.0), large = 4 * pi * (2.0 + 2 * 0.5 / 3.0);
+            TEST_ASSERT_DOUBLE_WITHIN(0.02 * (small + large), small + large, certificate.volume);
+        }
+    o.caps = BVX_CAPS_FLAT; /* by the blend: all the sooner the farther off the other part is */
+    o.layers = 1;
+    build_good();
+    TEST_ASSERT_TRUE(highest_in(-1.5, 1.5) < 1.1);
+}
+
+/* A vein thinner than a cell that shifts from section to section stays one: its parts meet, though no grid point lies in them. */
+static void test_a_thin_vein_does_not_end(void)
+{
+    for (int i = 0; i < 4; i++) {
+        stack_loop(&stack, stack_section(&stack, i));
+        stack_point(&stack, 0.02 * i, 0);
+        stack_point(&stack, 10 + 0.02 * i, 7);
+        stack_point(&stack, 10 + 0.02 * i, 7.06);
+        stack_point(&stack, 0.02 * i, 0.06);
+    }
+    o.caps = BVX_CAPS_TAPER;
+    o.spacing = 0.9;
+    build_good();
+    TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+}
+
+/* A round-edged plate with two holes through it, which widen towards both faces: genus two from the first section to the last. */
+static void test_double_torus(void)
+{
+    double volume[2];
+    for (int pass = 0; pass < 2; pass++) {
+        int const sections = pass ? 33 : 17;
+        stack_clear(&stack);
+        for (int i = 0; i < sections; i++) {
+            double const z = -0.48 + 0.96 * i / (sections - 1), half = sqrt(0.25 - z * z); /* edges are half circles */
+            uint32_t const k = stack_section(&stack, z);
+            stack_round(&stack, k, 0, 0, 3.2 + half, 1.2 + half, 128, 0, 0, 0);
+            stack_round(&stack, k, -1.6, 0, 1.2 - half, 1.2 - half, 64, 0, 0, 0);
+            stack_round(&stack, k, 1.6, 0, 1.2 - half, 1.2 - half, 64, 0, 0, 0);
+        }
+        build_good();
+        assert_points_kept();
+        TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+        TEST_ASSERT_EQUAL_INT64(-2, certificate.euler); /* two holes */
+        volume[pass] = fabs(certificate.volume / report.prismoid_volume - 1.0);
+    }
+    TEST_ASSERT_TRUE(volume[0] < 0.02 && volume[1] < 0.02);
 }
 
 /* ---- the ways of crossing ---- */
@@ -588,10 +708,10 @@ static void test_bad_stacks_are_refused(void)
     refuse(BVX_ERR_FORMAT, "sections 0 and 1 lie at one position, 0");
     two_squares();
     stack.loop[1].section = 0;
-    refuse(BVX_ERR_EMPTY, "in one section alone");
+    refuse(BVX_ERR_EMPTY, "in one section alone (number 0, at 0)");
     two_squares();
     stack.point[3 * 5 + 2] = 1.01;
-    refuse(BVX_ERR_FORMAT, "point 5 of section 1 lies 0.01");
+    refuse(BVX_ERR_FORMAT, "point 5 of section 1 (position 1) lies 0.01");
     two_squares();
     stack.point[3 * 5] = NAN;
     refuse(BVX_ERR_RANGE, "point 5 is not finite");
@@ -655,6 +775,100 @@ static void test_bad_options_are_refused(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_sections(NULL, &stack.s, NULL, &mesh));
 }
 
+/* ---- threads and memory ---- */
+
+static bvx_context *context_of(int32_t threads, void *arena, size_t arena_size, uint64_t limit)
+{
+    bvx_context_options c;
+    bvx_context *made;
+    bvx_context_options_init(&c, sizeof c);
+    c.threads = threads;
+    c.arena = arena;
+    c.arena_size = arena_size;
+    c.memory_limit = limit;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &made));
+    return made;
+}
+
+/* A body that is worth several threads: holes, branches, small loops that ask for subdivision. */
+static void make_long_stack(int sections)
+{
+    stack_clear(&stack);
+    for (int i = 0; i < sections; i++) {
+        uint32_t const k = stack_section(&stack, 0.1 * i);
+        double const turn = 0.02 * i, side = i > sections / 2 ? 1.0 : 0.0;
+        stack_round(&stack, k, 0.0, 0.0, 2.0, 1.0, 120, 0.3, turn, i & 1);
+        if (i % 7 != 0) stack_round(&stack, k, 0.1, 0.0, 0.5, 0.3, 40, 0.1, turn, 0);
+        stack_round(&stack, k, 3.6 + side, 1.0, 0.6, 0.4, 60, 0.2, turn, 0);
+        stack_round(&stack, k, 3.6 - side, -1.4, 0.02, 0.01, 6, 0.0, turn, 1);
+    }
+}
+
+/* The same mesh and the same report on any number of threads, from an arena, under a limit that is just enough. */
+static void test_threads_and_memory_change_nothing(void)
+{
+    static const int32_t threads[] = {1, 2, 3, 8, 1, 2};
+    static unsigned char arena[1 << 25];
+    uint64_t seed = 77, split = 0, triangles = 0;
+    make_long_stack(40);
+    for (int i = 0; i < 6; i++) {
+        bvx_sections_report first;
+        uint64_t hash = 0, other, peak = 0;
+        random_options(&seed);
+        o.grid[0] = o.grid[1] = 20 + 30 * (i % 3);
+        o.layers = i == 4 ? 3 : 1;
+        o.caps = i % 2;
+        o.crossings = i == 5 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
+        for (int k = 0; k < 6; k++) {
+            bvx_context *const c = context_of(threads[k], k == 5 ? arena : NULL, k == 5 ? sizeof arena : 0, k == 4 ? peak : 0);
+            bvx_mesh m = {0};
+            memset(&report, 0, sizeof report);
+            if (bvx_build_sections(c, &stack.s, &o, &m) != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(c));
+            if (k == 0) peak = bvx_memory_peak(c);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &m, &other));
+            triangles += m.triangle_count;
+            bvx_mesh_free(c, &m);
+            TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(c));
+            bvx_context_destroy(c);
+            if (k == 0) {
+                hash = other;
+                first = report;
+                split += report.split_cells;
+            }
+            TEST_ASSERT_EQUAL_HEX64(hash, other);
+            TEST_ASSERT_EQUAL_INT(0, memcmp(&first, &report, sizeof first));
+        }
+        for (int part = 1; part < 4; part++) { /* with less there is no mesh, and nothing is left */
+            bvx_context *const c = context_of(2, NULL, 0, peak * (uint64_t)part / 4);
+            bvx_mesh m = {0};
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_BUDGET, bvx_build_sections(c, &stack.s, &o, &m));
+            TEST_ASSERT_NULL(m.positions);
+            TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(c));
+            bvx_context_destroy(c);
+        }
+    }
+    TEST_ASSERT_TRUE(split > 100 && triangles > 100000);
+}
+
+/* What is wrong with a section is said about the first one, whoever finds it. */
+static void test_threads_refuse_alike(void)
+{
+    for (int32_t threads = 1; threads <= 8; threads += threads == 1 ? 1 : 3) {
+        bvx_context *const c = context_of(threads, NULL, 0, 0);
+        bvx_mesh m = {0};
+        make_long_stack(40);
+        for (uint32_t i = 0; i < stack.s.loop_count; i++) /* two points change places: the loop crosses itself */
+            if (stack.loop[i].point_count == 120 && (stack.loop[i].section == 17 || stack.loop[i].section == 31)) {
+                double *const p = stack.point + 3 * (stack.loop[i].first_point + 50), kept[2] = {p[0], p[1]};
+                memcpy(p, p + 6, sizeof kept);
+                memcpy(p + 6, kept, sizeof kept);
+            }
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, bvx_build_sections(c, &stack.s, &o, &m));
+        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(c), "of section 17 (position 1.7"));
+        bvx_context_destroy(c);
+    }
+}
+
 /* ---- one number for all compilers and processors ---- */
 
 static void test_sections_golden(void)
@@ -671,7 +885,7 @@ static void test_sections_golden(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &mesh, &hash));
         all = bvx_hash(&hash, 0, all ^ hash);
     }
-    TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x545A3D01C5DC57AD), all);
+    TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x70F1F7D1190A65B8), all);
 }
 
 int main(void)
@@ -684,11 +898,15 @@ int main(void)
     RUN_TEST(test_sphere_converges);
     RUN_TEST(test_cone_has_its_volume);
     RUN_TEST(test_torus_with_its_axis_in_the_plane);
+    RUN_TEST(test_slices_leave_out_what_encloses_no_area);
     RUN_TEST(test_branching);
     RUN_TEST(test_nested_shells);
     RUN_TEST(test_a_hole_closes);
     RUN_TEST(test_an_empty_section_parts_the_body);
     RUN_TEST(test_three_sections_behave);
+    RUN_TEST(test_each_part_tapers_by_itself);
+    RUN_TEST(test_a_thin_vein_does_not_end);
+    RUN_TEST(test_double_torus);
     RUN_TEST(test_exact_keeps_what_paper_nearly_keeps_and_classic_cuts);
     RUN_TEST(test_distances_are_skipped_where_nothing_needs_them);
     RUN_TEST(test_any_axis_and_a_slanted_normal);
@@ -700,6 +918,8 @@ int main(void)
     RUN_TEST(test_bad_loops_are_refused);
     RUN_TEST(test_bad_stacks_are_refused);
     RUN_TEST(test_bad_options_are_refused);
+    RUN_TEST(test_threads_and_memory_change_nothing);
+    RUN_TEST(test_threads_refuse_alike);
     RUN_TEST(test_sections_golden);
     return UNITY_END();
 }

@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import TETRAHEDRON, box_mesh
+from conftest import TETRAHEDRON, ball_grid, box_mesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -260,3 +260,16 @@ def test_closest_against_brute_force():
     corners = tetra[0][tetra[1][found["triangle"]]]
     assert np.allclose((found["weight"][..., None] * corners).sum(1), found["position"])
     assert closest.find([0.0, 0.0, 0.0])["feature"][0] >= 4
+
+
+def test_normals():
+    ball = bitvox.surface(ball_grid(), dtype="float64")
+    vertices, facets = ball.normals()
+    assert vertices.shape == (ball.n_vertices, 3) and facets.shape == (ball.n_faces, 3) and facets.dtype == np.float32
+    corners = ball.vertices[ball.faces]
+    own = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.allclose(facets, own / np.linalg.norm(own, axis=1, keepdims=True), atol=1e-6)
+    mean = vertices[ball.faces].sum(axis=1)
+    assert np.allclose(ball.normals(averaged=True)[1], mean / np.linalg.norm(mean, axis=1, keepdims=True), atol=1e-6)
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.Mesh(np.zeros((3, 3)), np.zeros((0, 3), np.uint32)).normals()

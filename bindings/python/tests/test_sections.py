@@ -49,6 +49,32 @@ def test_labels_and_refusals():
             bitvox.from_sections(stack(), **options)
 
 
+def test_bad_stacks_are_named():
+    head = "section,position,loop,x,y\n"
+
+    def lines(section, position):
+        return "".join(f"{section},{position},0,{x:g},{y:g}\n" for x, y, _ in SQUARE)
+
+    for text, kind, words in (
+        (head, bitvox.EmptyError, "no loop"),
+        (head + lines(1, 0), bitvox.EmptyError, "in one section alone"),
+        (head + lines(1, 0) + lines(2, 0), bitvox.FormatError, "lie at one position, 0"),
+        (head + lines(1, 0) + lines(2, 1).replace("4,4", "4,-4"), bitvox.FormatError, "crosses or touches itself"),
+    ):
+        with pytest.raises(kind, match=words):
+            bitvox.loads(text.encode(), "csv").surface()
+    tilted = b"CSLC\n2 1\n1 3 1 0 0 1 0\n0 0 0 4 0 0 4 4 0\n3 1 0 1 2\n2 3 1 0 0.1 1 -1\n0 0 1 4 0 1 4 4 1.2\n3 1 0 1 2\n"
+    with pytest.raises(bitvox.UnsupportedError, match="not parallel"):
+        bitvox.loads(tilted, "csl")
+    with pytest.raises(bitvox.FormatError, match="off its plane"):
+        bitvox.loads(tilted.replace(b"0 0.1 1", b"0 0 1"), "csl").surface()
+    bent = SQUARE + [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0.5]]
+    with pytest.raises(bitvox.ArgumentError, match="loop 1 does not lie in a plane"):
+        Sections([SQUARE + [0, 0, 1], bent])
+    with pytest.raises(bitvox.FormatError, match="cross or touch"):  # loops at one height are of one section
+        Sections([*stack(), SQUARE]).surface()
+
+
 def test_slices_of_a_mesh():
     ball = bitvox.surface(ball_grid(), dtype="float64")
     sections = bitvox.slice_mesh(ball, spacing=1.0)

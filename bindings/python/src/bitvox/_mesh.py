@@ -274,6 +274,19 @@ class Mesh:
             run.check(lib.bvx_mesh_check(run.context, self._view(run), int(bool(weld)), out))
         return record(out)
 
+    def normals(self, *, averaged: bool = False) -> tuple[Any, Any]:
+        """Normals of length 1: (n, 3) of the vertices, facets counted by their areas, and (m, 3) of the facets; float32.
+
+        Args:
+            averaged: a facet's is the mean of its three vertices' normals, not its own.
+        """
+        np = arrays.numpy("normals")
+        vertices, facets = np.empty((self.n_vertices, 3), np.float32), np.empty((self.n_faces, 3), np.float32)
+        with Run() as run:
+            run.check(lib.bvx_mesh_normals(run.context, self._view(run), int(bool(averaged)),
+                                           ffi.cast("float *", arrays.address(vertices)), ffi.cast("float *", arrays.address(facets))))
+        return vertices, facets
+
     def content_hash(self) -> int:
         """The library's hash of type, counts, frame, vertices and triangles: the same on every machine."""
         out = ffi.new("uint64_t *")

@@ -1,0 +1,135 @@
+/* trace_room.c - the arrays of one cell's trace: they grow on the calling thread, never in a view of the stack that other threads have. */
+#include "section/trace.h"
+
+enum { TRACE_FEW = 64 };
+
+bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point)
+{
+    bvxi_trace_point *p;
+    BVXI_TRY(bvxi_slab_grow(t->s, &t->point, t->point_count, &t->point_room, sizeof *t->point, "the crossings of a cell"));
+    *point = t->point_count++;
+    p = &t->point[*point];
+    p->vertex = vertex;
+    p->next = BVXI_NONE;
+    p->arc = BVXI_NONE;
+    p->faces = (uint8_t)faces;
+    p->link = BVXI_LINK_STRAIGHT;
+    p->seen = 0;
+    return BVX_OK;
+}
+
+bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
+{
+    bvxi_stack *const s = t->s;
+    uint64_t const room = count + count / 2 + 64, old = t->loop_room;
+    if (count <= old) return BVX_OK;
+    if (s->fixed) return BVX_ERR_BUDGET;
+    if (room > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: a cell holds more than 2^31 contour points", s->function);
+    /* what was is kept: a loop grows while it is followed */
+    {
+        uint32_t *vertex = NULL, *next = NULL, *before = NULL;
+        uint8_t *faces = NULL;
+        const double **at = NULL;
+        bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &vertex);
+        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room, "a loop of a cell", &faces);
+        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *at, "a loop of a cell", &at);
+        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &next);
+        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &before);
+        if (status != BVX_OK) {
+            bvxi_free(s->ctx, next, next == NULL ? 0 : room * 4);
+            bvxi_free(s->ctx, (void *)at, at == NULL ? 0 : room * sizeof *at);
+            bvxi_free(s->ctx, faces, faces == NULL ? 0 : room);
+            bvxi_free(s->ctx, vertex, vertex == NULL ? 0 : room * 4);
+            return status;
+        }
+        if (old != 0) {
+            memcpy(vertex, t->vertex, (size_t)old * 4);
+            memcpy(faces, t->faces, (size_t)old);
+        }
+        bvxi_free(s->ctx, t->before, old * 4);
+        bvxi_free(s->ctx, t->next, old * 4);
+        bvxi_free(s->ctx, (void *)t->at, old * sizeof *at);
+        bvxi_free(s->ctx, t->faces, old);
+        bvxi_free(s->ctx, t->vertex, old * 4);
+        t->vertex = vertex;
+        t->faces = faces;
+        t->at = at;
+        t->next = next;
+        t->before = before;
+        t->loop_room = (uint32_t)room;
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces)
+{
+    if (*count >= t->loop_room) BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)*count + 1));
+    t->vertex[*count] = vertex;
+    t->faces[(*count)++] = (uint8_t)faces;
+    return BVX_OK;
+}
+
+bvx_status bvxi_trace_open_rows(bvxi_trace *t)
+{
+    bvxi_stack *const s = t->s;
+    uint32_t const need = t->end_count + 1, crossings = t->node_count + 1;
+    for (int which = 0; which < 2; which++) {
+        uint32_t *const room = which == 0 ? &t->row_room : &t->cross_room;
+        uint64_t const wanted = which == 0 ? need : crossings, larger = wanted + wanted / 2 + 16;
+        if (wanted <= *room) continue;
+        if (s->fixed) return BVX_ERR_BUDGET;
+        for (int k = 0; k < 2; k++) {
+            uint32_t **const rows = which == 0 ? &t->row[k] : &t->cross[k];
+            uint32_t *made;
+            bvx_status const status = bvxi_alloc(s->ctx, BVXI_SCRATCH, larger * 4, "the crossings of a side", &made);
+            if (status != BVX_OK) { /* both rows keep one length */
+                if (k == 1) {
+                    uint32_t **const done = which == 0 ? &t->row[0] : &t->cross[0];
+                    bvxi_free(s->ctx, *done, larger * 4);
+                    *done = NULL;
+                    bvxi_free(s->ctx, *rows, (uint64_t)*room * 4);
+                    *rows = NULL;
+                    *room = 0;
+                }
+                return status;
+            }
+            bvxi_free(s->ctx, *rows, (uint64_t)*room * 4);
+            *rows = made;
+        }
+        *room = (uint32_t)larger;
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
+{
+    bvxi_stack *const s = t->s;
+    BVXI_TRY(bvxi_slab_grow(s, &t->node, 0, &t->node_room, sizeof *t->node, "the corners of a cell"));
+    BVXI_TRY(bvxi_slab_grow(s, &t->point, 0, &t->point_room, sizeof *t->point, "the crossings of a cell"));
+    BVXI_TRY(bvxi_slab_grow(s, &t->end, 0, &t->end_room, sizeof *t->end, "the crossings of a cell"));
+    t->end_count = t->node_count = TRACE_FEW;
+    BVXI_TRY(bvxi_trace_open_rows(t));
+    t->end_count = t->node_count = 0;
+    BVXI_TRY(bvxi_map_open(s, &t->folds));
+    return bvxi_trace_open_loop(t, loop);
+}
+
+void bvxi_trace_free(bvxi_trace *t)
+{
+    bvxi_stack *const s = t->s;
+    uint64_t const loop = t->loop_room;
+    bvxi_free(s->ctx, t->before, loop * 4);
+    bvxi_free(s->ctx, t->next, loop * 4);
+    bvxi_free(s->ctx, (void *)t->at, loop * sizeof *t->at);
+    bvxi_free(s->ctx, t->faces, loop);
+    bvxi_free(s->ctx, t->vertex, loop * 4);
+    bvxi_free(s->ctx, t->insert, (uint64_t)t->insert_room * sizeof *t->insert);
+    for (int k = 2; k-- > 0;) {
+        bvxi_free(s->ctx, t->cross[k], (uint64_t)t->cross_room * 4);
+        bvxi_free(s->ctx, t->row[k], (uint64_t)t->row_room * 4);
+    }
+    bvxi_free(s->ctx, t->end, (uint64_t)t->end_room * sizeof *t->end);
+    bvxi_free(s->ctx, t->point, (uint64_t)t->point_room * sizeof *t->point);
+    bvxi_free(s->ctx, t->node, (uint64_t)t->node_room * sizeof *t->node);
+    bvxi_map_free(s, &t->folds);
+}

@@ -1,0 +1,122 @@
+/* section_cases.h - golden cases of contours of meshes and of bodies from sections; read in by golden.c. */
+#ifndef SECTION_CASES_H
+#define SECTION_CASES_H
+
+#include "tools/section_maker.h"
+
+static section_maker golden_stack; /* large, so not on the stack */
+
+static void body_values(golden *g, const bvx_sections *sections, int32_t cells)
+{
+    static const char *const key[] = {"exact", "paper", "classic"};
+    bvx_sections_report report;
+    for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
+        for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_OPEN; caps++) {
+            bvx_sections_options o;
+            bvx_mesh mesh = {0};
+            bvx_sections_options_init(&o, sizeof o);
+            o.crossings = crossings;
+            o.caps = caps;
+            o.grid[0] = o.grid[1] = cells;
+            o.layers = 1 + caps;
+            o.report = &report;
+            mesh_value(g, key[crossings], bvx_build_sections(g->context, sections, &o, &mesh), &mesh);
+            if (crossings != BVX_CROSSINGS_EXACT || caps != BVX_CAPS_TAPER) continue;
+            golden_u64(g, "crossings", report.crossings);
+            golden_u64(g, "split", report.split_cells);
+            golden_u64(g, "unkept", report.unkept_edges + report.unkept_loops);
+            golden_u64(g, "ambiguous", report.ambiguous_faces);
+        }
+}
+
+/* Contours as a file, and what is read from it again. */
+static void contour_file_values(golden *g, const char *key, const bvx_sections *sections, int32_t format)
+{
+    bvx_buffer file = {0};
+    bvx_sections read;
+    memset(&read, 0, sizeof read);
+    if (golden_good(g, bvx_write_sections(g->context, sections, format, &file))) {
+        golden_hex(g, key, bvx_hash(file.bytes, (size_t)file.size, 0));
+        if (format != BVX_FORMAT_SVG && golden_good(g, bvx_read_sections(g->context, file.bytes, file.size, format, NULL, &read)))
+            golden_hex(g, "read", mixed_doubles(0, read.points, 3 * read.point_count));
+    }
+    bvx_sections_free(g->context, &read);
+    bvx_buffer_free(g->context, &file);
+}
+
+static uint64_t mixed_floats(const float *values, uint64_t count)
+{
+    uint64_t hash = 0;
+    for (uint64_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        hash = mixed_word(hash, bits);
+    }
+    return hash;
+}
+
+/* Of vertices, of facets, and of facets by their vertices. */
+static void normal_values(golden *g, const char *name, const bvx_mesh_view *view)
+{
+    static float vertex[3 * SHAPE_MAX], facet[3 * SHAPE_MAX];
+    golden_begin(g, name);
+    for (int averaged = 0; averaged < 2; averaged++)
+        if (golden_good(g, bvx_mesh_normals(g->context, view, averaged, vertex, facet))) {
+            if (averaged == 0) golden_hex(g, "vertices", mixed_floats(vertex, 3 * view->vertex_count));
+            golden_hex(g, averaged ? "averaged" : "facets", mixed_floats(facet, 3 * view->triangle_count));
+        }
+    golden_end(g);
+}
+
+/* Contours of a mesh across an axis and askew: their file, and the bodies made of them. */
+static void slice_values(golden *g, const char *name, const bvx_mesh_view *view, double x, double y, double z)
+{
+    bvx_slice_options o;
+    bvx_sections sections;
+    memset(&sections, 0, sizeof sections);
+    bvx_slice_options_init(&o, sizeof o);
+    o.normal[0] = x;
+    o.normal[1] = y;
+    o.normal[2] = z;
+    o.spacing = 0.21875;
+    golden_begin(g, name);
+    if (golden_good(g, bvx_slice_mesh(g->context, view, &o, &sections))) {
+        golden_u64(g, "loops", sections.loop_count);
+        golden_u64(g, "points", sections.point_count);
+        contour_file_values(g, "csl", &sections, BVX_FORMAT_CSL);
+        contour_file_values(g, "svg", &sections, BVX_FORMAT_SVG);
+        if (z == 1.0) contour_file_values(g, "csv", &sections, BVX_FORMAT_CSV);
+        body_values(g, &sections, 24);
+    }
+    golden_end(g);
+    bvx_sections_free(g->context, &sections);
+}
+
+static void section_cases(golden *g)
+{
+    static const char *const name[] = {"random_1", "random_2", "random_3", "random_4", "random_5", "random_6"};
+    bvx_sections_options o;
+    bvx_mesh_view view;
+    uint64_t seed = 99;
+    bvx_sections_options_init(&o, sizeof o);
+    for (int i = 0; i < 6; i++) {
+        bvx_status status;
+        do {
+            bvx_mesh mesh = {0};
+            stack_random(&golden_stack, &seed);
+            status = bvx_build_sections(g->context, &golden_stack.s, &o, &mesh);
+            bvx_mesh_free(g->context, &mesh);
+        } while (status == BVX_ERR_FORMAT); /* loops that cross */
+        golden_begin(g, name[i]);
+        body_values(g, &golden_stack.s, 9 + 4 * i);
+        golden_end(g);
+    }
+    shape_torus(&golden_shape, 96, 40, 0.05, 7);
+    shape_view(&golden_shape, &view);
+    normal_values(g, "torus_normals", &view);
+    slice_values(g, "torus_z", &view, 0, 0, 1);
+    slice_values(g, "torus_x", &view, 1, 0, 0);
+    slice_values(g, "torus_askew", &view, 0.6, -0.36, 0.72);
+}
+
+#endif
