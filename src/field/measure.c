@@ -10,6 +10,8 @@
 #include "field/signs.h"
 #include "mesh/view.h"
 
+#include <math.h>
+
 static const char measure_name[] = "bvx_measure_field";
 static const char measure_stage[] = "field";
 static const bvx_field_options field_defaults = {0, 3.0, BVX_SIGN_AUTO, BVX_F32, {{0, 0, 0}, {0, 0, 0}}, 0, 0, {0, 0}};
@@ -176,7 +178,7 @@ static bvx_status make_values(bvx_context *ctx, measure_job *job)
     values.distances = f->distances;
     values.triangles = job->triangles;
     values.features = job->features;
-    return bvxi_nearest_fill(ctx, measure_stage, 0.35, 0.8, job->nearest, &f->band, f->row_values, &values);
+    return bvxi_nearest_fill(ctx, measure_stage, 0.35, 0.8, job->nearest, HUGE_VAL, &f->band, f->row_values, &values);
 }
 
 /* ---- inside ---- */

@@ -247,7 +247,7 @@ static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limi
     begin_near_box(n, begin, end, limit, w);
     complete = bvxi_near_cell_list(n, &w->cell, w->fast, &w->list);
     keep_near_point(w);
-    if (complete && (w->list.count == 0 || is_far_from_near_list(n, w))) return;
+    if (complete && (w->list.count == 0 || (w->few_reached && is_far_from_near_list(n, w)))) return;
     sieve_near_part(w);
     for (int32_t g = 0; g < 8; g++) {
         uint32_t const active = near_active(wanted, g);
