@@ -37,26 +37,29 @@ static void cross_of_triangle(const double p[3][3], double n[3])
     n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
-/* 1 when the voxel that holds a place is set. */
-static int is_set_at(const bvx_grid *solid, const double p[3])
+/* 1 when the voxel that holds a place is set. [Units: voxels of the window] */
+static int is_set_at(const bvx_grid *solid, const double at[3])
 {
-    int32_t v[3];
-    for (int a = 0; a < 3; a++) {
-        double const at = (p[a] - solid->lattice.origin[a]) / solid->lattice.spacing[a];
-        if (!(at >= 0 && at < (double)solid->size[a])) return 0;
-        v[a] = (int32_t)at;
-    }
-    return bvx_grid_get(solid, v[0], v[1], v[2]);
+    size_t row;
+    for (int a = 0; a < 3; a++)
+        if (!(at[a] >= 0 && at[a] < (double)solid->size[a])) return 0;
+    row = (size_t)at[2] * (size_t)solid->size[1] + (size_t)at[1];
+    return (int)(solid->words[row * (size_t)solid->words_per_row + ((size_t)at[0] >> 6)] >> ((size_t)at[0] & 63) & 1);
 }
 
-/* Is there solid half a voxel or a voxel behind a triangle's middle, on either side? */
-static int has_solid_behind(const bvx_grid *solid, const double p[3][3], const double n[3], double length)
+/* Is there solid half a voxel or a voxel behind a triangle's middle, on either side? step: a voxel of the largest
+ * spacing, in voxels. */
+static int has_solid_behind(const bvx_grid *solid, const double step[3], const double p[3][3], const double n[3], double length)
 {
     static const double depth[4] = {-0.5, -1.0, 0.5, 1.0};
-    double const step = bvxi_largest_spacing(&solid->lattice);
-    double at[3];
+    double const part = 1.0 / length;
+    double middle[3], way[3], at[3];
+    for (int a = 0; a < 3; a++) {
+        middle[a] = ((p[0][a] + p[1][a] + p[2][a]) * (1.0 / 3.0) - solid->lattice.origin[a]) / solid->lattice.spacing[a];
+        way[a] = n[a] * part * step[a];
+    }
     for (int d = 0; d < 4; d++) {
-        for (int a = 0; a < 3; a++) at[a] = (p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * (depth[d] * step);
+        for (int a = 0; a < 3; a++) at[a] = middle[a] + way[a] * depth[d];
         if (is_set_at(solid, at)) return 1;
     }
     return 0;
@@ -70,6 +73,8 @@ static void corners_of_triangle(const bvx_mesh_view *mesh, uint64_t t, uint32_t 
 
 static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
 {
+    double step[3];
+    for (int a = 0; a < 3; a++) step[a] = bvxi_largest_spacing(&job->lattice) / job->lattice.spacing[a];
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         double p[3][3], n[3], length;
         uint32_t c[3];
@@ -78,7 +83,7 @@ static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
         length = vector_length(n);
         if (!(length > 0)) continue;
         sums[job->piece[c[0]]].area += 0.5 * length;
-        if (has_solid_behind(&job->solid, (const double(*)[3])p, n, length)) sums[job->piece[c[0]]].kept += 0.5 * length;
+        if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length)) sums[job->piece[c[0]]].kept += 0.5 * length;
     }
 }
 
