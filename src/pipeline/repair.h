@@ -19,6 +19,7 @@ typedef struct bvxi_repair_job {
     bvx_grid solid;          /* what body encloses; without words before the first, as inside */
     bvx_grid inside;         /* the result: solid and shells, less small parts and cavities */
     uint64_t grid_bytes;     /* of the words of each */
+    bvxi_holes holes;        /* of mesh, then of body, on the lattice, as the sign sees them */
     bvxi_winding *winding;   /* while the surface is made: for lids over holes */
     int32_t fill;            /* BVX_FILL_... that the sign stands for */
     bvx_repair_report report;

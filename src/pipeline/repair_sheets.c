@@ -106,18 +106,19 @@ static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, piece
     }
 }
 
+/* By the plain loops: an edge of two triangles that run one way is no hole. */
 static bvx_status sum_lids(bvxi_repair_job *job, piece_sums *sums)
 {
-    bvxi_snapped snapped;
     bvxi_holes holes;
-    bvx_status status;
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0) return BVX_OK;
-    BVXI_TRY(bvxi_snap(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, &snapped));
-    status = bvxi_holes_open(job->ctx, &job->mesh, &snapped, &holes);
-    if (status == BVX_OK) sum_loops(job, &holes, sums);
-    if (status == BVX_OK) bvxi_holes_close(job->ctx, &holes);
-    bvxi_snap_free(job->ctx, &snapped);
-    return status;
+    if (!job->holes.repeated) {
+        sum_loops(job, &job->holes, sums);
+        return BVX_OK;
+    }
+    BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, BVX_FILL_VOTE, &holes));
+    sum_loops(job, &holes, sums);
+    bvxi_holes_close(job->ctx, &holes);
+    return BVX_OK;
 }
 
 static int is_sheet(const piece_sums *s)

@@ -195,7 +195,7 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
     repair_values v;
     bvx_status status = open_values(job, &v);
     if (status == BVX_OK && job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
-        status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill, &job->winding);
+        status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill, &job->holes, &job->winding);
     if (status == BVX_OK) status = extract_repaired(job, &v, repaired);
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;

@@ -419,6 +419,7 @@ static void test_ratios_are_where_the_angle_is_a_half(void)
     for (int32_t trial = 0; trial < (quick ? 1 : 16); trial++) {
         bvx_lattice const l = lattice_of(40, 38, 36);
         bvx_mesh_view view;
+        bvxi_holes holes;
         bvxi_winding *w;
         bvx_grid g, surface = {0};
         int64_t *q;
@@ -427,15 +428,18 @@ static void test_ratios_are_where_the_angle_is_a_half(void)
         make_stars(1, &l, 65536, 12, 0);
         if (trial == 0) {
             view = maker_view(&mesh);
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_winding_open(ctx, "test", &view, &l, BVX_FILL_WINDING, &w));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_holes_open_rule(ctx, "test", &view, &l, BVX_FILL_WINDING, &holes));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_winding_open(ctx, "test", &view, &l, BVX_FILL_WINDING, &holes, &w));
             TEST_ASSERT_NULL(w);
+            bvxi_holes_close(ctx, &holes);
             bvxi_winding_close(ctx, w);
         }
         cut_holes(2, 8);
         view = maker_view(&mesh);
         q = snapped(&l);
         for (int a = 0; a < 3; a++) scale[a] = l.spacing[a] / (1 << l.fraction_bits);
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_winding_open(ctx, "test", &view, &l, rules[trial % 2], &w));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_holes_open_rule(ctx, "test", &view, &l, rules[trial % 2], &holes));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_winding_open(ctx, "test", &view, &l, rules[trial % 2], &holes, &w));
         TEST_ASSERT_NOT_NULL(w);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, &l, NULL, &surface));
         g = solid_of(&l, rules[trial % 2]);
@@ -466,6 +470,7 @@ static void test_ratios_are_where_the_angle_is_a_half(void)
         bvx_grid_free(ctx, &g);
         bvx_grid_free(ctx, &surface);
         bvxi_winding_close(ctx, w);
+        bvxi_holes_close(ctx, &holes);
         free(q);
     }
     TEST_ASSERT_TRUE(told > 300);
