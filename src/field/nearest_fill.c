@@ -108,13 +108,11 @@ static void search_fill_brick(const fill_work *w, const int32_t cube[3], uint64_
 /* Nearest triangles of a brick: remembered ones, and those of slots that nothing is known of by a search. */
 static void find_fill_triangles(const fill_work *w, const int32_t cube[3], uint64_t set, const uint32_t *remembered, bvxi_near_worker *worker)
 {
-    uint64_t unknown = 0;
-    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++)
-        unknown |= (uint64_t)(remembered == NULL || remembered[s] == BVXI_NEAR_NONE) << s;
-    unknown &= set;
+    uint64_t unknown = remembered == NULL ? set : 0;
+    for (uint64_t m = set & ~unknown; m != 0; m &= m - 1)
+        unknown |= (uint64_t)(remembered[bvxi_lowest(m)] == BVXI_NEAR_NONE) << bvxi_lowest(m);
     if (unknown != 0) search_fill_brick(w, cube, unknown, worker);
-    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++)
-        if ((unknown >> s & 1) == 0 && (set >> s & 1) != 0) worker->triangle[s] = remembered[s];
+    for (uint64_t m = set & ~unknown; m != 0; m &= m - 1) worker->triangle[bvxi_lowest(m)] = remembered[bvxi_lowest(m)];
 }
 
 static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int32_t first[3], const uint32_t *remembered, fill_ranks *ranks, bvxi_near_worker *worker)
