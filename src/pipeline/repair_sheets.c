@@ -18,6 +18,7 @@
 /* What a piece is like, by its least vertex. */
 typedef struct piece_sums {
     double area, kept, lid;
+    uint64_t triangles;
 } piece_sums;
 
 static double vector_length(const double v[3])
@@ -51,7 +52,7 @@ static int is_set_at(const bvx_grid *solid, const double at[3])
  * spacing, in voxels. */
 static int has_solid_behind(const bvx_grid *solid, const double step[3], const double p[3][3], const double n[3], double length)
 {
-    static const double depth[4] = {-0.5, -1.0, 0.5, 1.0};
+    static const double depth[4] = {-1.0, -0.5, 1.0, 0.5}; /* the likeliest first */
     double const part = 1.0 / length;
     double middle[3], way[3], at[3];
     for (int a = 0; a < 3; a++) {
@@ -77,13 +78,16 @@ static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
     for (int a = 0; a < 3; a++) step[a] = bvxi_largest_spacing(&job->lattice) / job->lattice.spacing[a];
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         double p[3][3], n[3], length;
+        piece_sums *piece;
         uint32_t c[3];
         corners_of_triangle(&job->mesh, t, c, p);
+        piece = &sums[job->piece[c[0]]];
+        piece->triangles++;
         cross_of_triangle((const double(*)[3])p, n);
         length = vector_length(n);
         if (!(length > 0)) continue;
-        sums[job->piece[c[0]]].area += 0.5 * length;
-        if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length)) sums[job->piece[c[0]]].kept += 0.5 * length;
+        piece->area += 0.5 * length;
+        if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length)) piece->kept += 0.5 * length;
     }
 }
 
@@ -151,17 +155,14 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     uint64_t sheet_triangles = 0;
     piece_sums *sums;
     bvx_status status;
-    uint32_t c[3];
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
     if (job->options->shell == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the pieces' areas", &sums));
     sum_areas(job, sums);
     status = sum_lids(job, sums);
-    for (uint64_t t = 0; t < job->mesh.triangle_count && status == BVX_OK; t++) {
-        bvxi_view_triangle(&job->mesh, t, c);
-        sheet_triangles += (uint64_t)is_sheet(&sums[job->piece[c[0]]]);
-    }
+    for (uint64_t v = 0; v < job->given->vertex_count && status == BVX_OK; v++)
+        if (is_sheet(&sums[v])) sheet_triangles += sums[v].triangles;
     if (status == BVX_OK && sheet_triangles != 0) status = list_parted(job, sums, sheet_triangles);
     bvxi_free(job->ctx, sums, bytes);
     job->report.shelled_triangles = sheet_triangles;
