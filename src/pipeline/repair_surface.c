@@ -153,12 +153,23 @@ static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
 
 /* ---- The surface ---- */
 
-static double lid_ratio(const void *user, int32_t axis, int32_t i, int32_t j, int32_t k)
+static void lid_ratios(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio)
 {
     const bvxi_repair_job *const job = user;
-    int32_t const v[3] = {i, j, k};
-    if (job->winding == NULL || i < 0 || j < 0 || k < 0 || v[axis] + 1 >= job->lattice.dims[axis]) return 0.5;
-    return bvxi_winding_ratio(job->winding, v, axis);
+    bvxi_winding_edge asked[BVXI_MISSING_MOST];
+    double told[BVXI_MISSING_MOST];
+    int32_t number[BVXI_MISSING_MOST], n = 0;
+    for (int32_t e = 0; e < count; e++) {
+        const int32_t *const v = edge[e].at;
+        int32_t const axis = edge[e].axis;
+        ratio[e] = 0.5;
+        if (job->winding == NULL || v[0] < 0 || v[1] < 0 || v[2] < 0 || v[axis] + 1 >= job->lattice.dims[axis]) continue;
+        memcpy(asked[n].v, v, sizeof asked[n].v);
+        asked[n].axis = axis;
+        number[n++] = e;
+    }
+    if (n > 0) bvxi_winding_ratios(job->winding, n, asked, told);
+    for (int32_t e = 0; e < n; e++) ratio[number[e]] = told[e];
 }
 
 static bvx_status extract_repaired(bvxi_repair_job *job, const repair_values *v, bvx_mesh *repaired)
@@ -175,7 +186,7 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const repair_values *v,
     values.distances = v->distances;
     values.triangles = v->triangles;
     values.mesh = &job->body;
-    values.missing = lid_ratio;
+    values.missing = lid_ratios;
     values.missing_user = job;
     bvx_field_surface_options_init(&o, sizeof o);
     o.interpolation = from->interpolation;

@@ -22,6 +22,9 @@ typedef struct cut_walk {
     value_row row[3]; /* (j, k), (j+1, k), (j, k+1) */
     int32_t j, k, w;
     uint64_t count[BVXI_CUT_KINDS];
+    bvxi_missing_edge missing[BVXI_MISSING_MOST]; /* asked together */
+    uint64_t missing_vertex[BVXI_MISSING_MOST];
+    int32_t missing_count;
 } cut_walk;
 
 static value_row start_value_row(const bvxi_cuts *c, int32_t j, int32_t k)
@@ -90,6 +93,36 @@ static int is_lid(const bvxi_cut_edge *edge)
     return edge->low_distance + edge->high_distance > edge->length * (1.0 + 1e-6);
 }
 
+static double ratio_on_edge(double t)
+{
+    return bvxi_keep_off_ends(t >= 0.0 && t <= 1.0 ? t : 0.5);
+}
+
+static void place_missing_cuts(cut_walk *k)
+{
+    const bvxi_edge_values *const v = k->cuts->values;
+    double t[BVXI_MISSING_MOST];
+    if (k->missing_count == 0) return;
+    v->missing(v->missing_user, k->missing_count, k->missing, t);
+    for (int32_t n = 0; n < k->missing_count; n++) {
+        const bvxi_missing_edge *const e = &k->missing[n];
+        bvxi_put_crossing(k->cuts->march, k->missing_vertex[n], e->axis, e->at[0], e->at[1], e->at[2], ratio_on_edge(t[n]));
+    }
+    k->missing_count = 0;
+}
+
+static void take_missing_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i)
+{
+    bvxi_missing_edge *const e = &k->missing[k->missing_count];
+    e->axis = axis;
+    e->at[0] = i;
+    e->at[1] = k->j;
+    e->at[2] = k->k;
+    k->missing_vertex[k->missing_count++] = vertex;
+    k->count[BVXI_CUT_LID]++;
+    if (k->missing_count == BVXI_MISSING_MOST) place_missing_cuts(k);
+}
+
 /* The vertex on the edge from centre (i, j, k) along axis, whose ends have the values low and high. */
 static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, uint64_t low, uint64_t high)
 {
@@ -101,14 +134,14 @@ static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, uin
     double t = 0.5;
     bvxi_cut_edge edge;
     if (known) by = cut_edge(k, axis, i, low, high, &edge, &t);
-    if (v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
-        t = v->missing(v->missing_user, axis, i, k->j, k->k);
-        by = BVXI_CUT_LID;
-    }
-    t = bvxi_keep_off_ends(t >= 0.0 && t <= 1.0 ? t : 0.5);
-    k->count[by]++;
     if (c->planes != NULL) memset(&c->planes[2 * vertex], 0, 2 * sizeof *c->planes);
-    if (c->planes != NULL && known && by != BVXI_CUT_LID) {
+    if (v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
+        take_missing_cut(k, vertex, axis, i);
+        return;
+    }
+    t = ratio_on_edge(t);
+    k->count[by]++;
+    if (c->planes != NULL && known) {
         const bvx_lattice *const l = &m->grid->lattice;
         int32_t const at[3] = {i, k->j, k->k};
         double centre[3];
@@ -158,5 +191,6 @@ void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker)
     k.cuts = c;
     bvxi_piece(c->march->slot_count, c->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) place_slot(&k, s);
+    place_missing_cuts(&k);
     memcpy(c->piece_counts + BVXI_CUT_KINDS * (size_t)piece, k.count, sizeof k.count);
 }

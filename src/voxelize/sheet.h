@@ -112,7 +112,9 @@ typedef struct bvxi_sheet_look {
 /* edge_rest: edges whose share of rest is larger are left to look->edge, as far as there is room. */
 void bvxi_sheet_around(const bvxi_sheet *sheet, const int64_t p[3], double reach, double near, double edge_rest, bvxi_sheet_look *look);
 
-/* sheet_four.c: the same for four places, which may be one, with one reach; what is told is as right, in other digits. */
+/* sheet_four.c: the same for four places, some of which may be one. Angles have the same digits, near >= 0; around the places, with
+ * one reach, what is told is as right in others. */
+void bvxi_sheet_angles_four(const bvxi_sheet *sheet, const int64_t p[4][3], double near, double turns[4]);
 void bvxi_sheet_around_four(const bvxi_sheet *sheet, const int64_t p[4][3], double reach, double near, double edge_rest,
                             bvxi_sheet_look look[4]);
 void bvxi_sheet_turns_four(const bvxi_sheet *sheet, const int64_t p[4][3], int32_t want_clear, bvxi_sheet_answer answer[4]);

@@ -165,24 +165,34 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
 
 /* The winding number's fraction is the sheet's. Without a triangle on the way the number changes steadily, so of all numbers with the
  * two fractions it goes between those that lie nearest to each other on either side of a half. */
-double bvxi_winding_ratio(const bvxi_winding *winding, const int32_t v[3], int32_t axis)
+static double ratio_between(double from, double to, int32_t rule)
 {
-    int64_t const step = (int64_t)1 << winding->sheet.fraction_bits;
-    int64_t p[3];
-    double from, to, half, t;
-    for (int32_t a = 0; a < 3; a++) p[a] = v[a] * step + step / 2;
-    from = bvxi_sheet_angle(&winding->sheet, p, WINDING_NEAR);
-    p[axis] += step;
-    to = bvxi_sheet_angle(&winding->sheet, p, WINDING_NEAR);
+    double half, t;
     from -= floor(from);
     to -= floor(to);
     if ((from < 0.5) == (to < 0.5)) { /* not by way of the half: it is at an end, or the way is by the whole number to the next half */
         double const near_from = from < 0.5 ? 0.5 - from : from - 0.5, near_to = to < 0.5 ? 0.5 - to : to - 0.5;
         if (near_from < WINDING_AT_END || near_to < WINDING_AT_END) return near_from < near_to ? WINDING_LEAST : 1 - WINDING_LEAST;
-        if (winding->rule == BVX_FILL_VOTE) return 0.5; /* or rows have decided */
+        if (rule == BVX_FILL_VOTE) return 0.5; /* or rows have decided */
         to += to > from ? -1 : 1;
     }
     half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
     t = (half - from) / (to - from);
     return !(t > 0 && t < 1) ? 0.5 : t < WINDING_LEAST ? WINDING_LEAST : t > 1 - WINDING_LEAST ? 1 - WINDING_LEAST : t;
+}
+
+void bvxi_winding_ratios(const bvxi_winding *winding, int32_t count, const bvxi_winding_edge *edge, double *ratio)
+{
+    int64_t const step = (int64_t)1 << winding->sheet.fraction_bits;
+    for (int32_t i = 0; i < count; i += 2) { /* two edges have four ends */
+        double turns[4];
+        int64_t p[4][3];
+        for (int32_t k = 0; k < 4; k++) {
+            const bvxi_winding_edge *const e = &edge[i + k / 2 < count ? i + k / 2 : i];
+            for (int32_t a = 0; a < 3; a++) p[k][a] = e->v[a] * step + step / 2 + (a == e->axis && k % 2 != 0 ? step : 0);
+        }
+        bvxi_sheet_angles_four(&winding->sheet, (const int64_t(*)[3])p, WINDING_NEAR, turns);
+        ratio[i] = ratio_between(turns[0], turns[1], winding->rule);
+        if (i + 1 < count) ratio[i + 1] = ratio_between(turns[2], turns[3], winding->rule);
+    }
 }

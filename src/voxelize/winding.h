@@ -13,9 +13,14 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
                              int32_t rule, const bvxi_holes *holes, bvxi_winding **winding);
 void bvxi_winding_close(bvx_context *ctx, bvxi_winding *winding);
 
-/* Where between centre v and its neighbour along axis (lattice indices) the winding number passes the rule's half, taken as linear:
- * a ratio in [0.001, 0.999]. For edges that no triangle crosses and whose ends the rule has on either side; 0.5 where the angle
- * has both on one side (VOTE, rows decided). Called from workers. Cost: two angles, to about 1e-3 turns. */
-double bvxi_winding_ratio(const bvxi_winding *winding, const int32_t v[3], int32_t axis);
+/* From centre v to its neighbour along axis. [Units: lattice indices] */
+typedef struct bvxi_winding_edge {
+    int32_t v[3], axis;
+} bvxi_winding_edge;
+
+/* Where on each edge the winding number passes the rule's half, taken as linear: a ratio in [0.001, 0.999]. For edges that no
+ * triangle crosses and whose ends the rule has on either side; 0.5 where the angle has both on one side (VOTE, rows decided).
+ * Called from workers. Cost: two angles an edge, to about 1e-3 turns. */
+void bvxi_winding_ratios(const bvxi_winding *winding, int32_t count, const bvxi_winding_edge *edge, double *ratio);
 
 #endif

@@ -82,8 +82,10 @@ static bvx_status ratios(void *user, bvx_context *ctx)
     if (status != BVX_OK) bvxi_holes_close(ctx, &loops);
     if (status != BVX_OK) return status;
     for (int32_t x = 0; x < 30; x++) {
-        int32_t const v[3] = {x, x % 7 + 8, x % 5 + 10};
-        sum += bvxi_winding_ratio(w, v, x % 3);
+        bvxi_winding_edge const edge = {{x, x % 7 + 8, x % 5 + 10}, x % 3};
+        double ratio;
+        bvxi_winding_ratios(w, 1, &edge, &ratio);
+        sum += ratio;
     }
     bvxi_winding_close(ctx, w);
     bvxi_holes_close(ctx, &loops);
