@@ -19,8 +19,8 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo python test-python test test-quick deps san golden bench install uninstall amalgamation clean force \
-        print-folder library program test-programs fault-programs fuzz-programs bench-programs row-products
+.PHONY: all help demo python test-python test test-quick test-machines deps san golden matrix bare coverage fuzz analyze bench install uninstall amalgamation clean force \
+        print-folder golden-program library program test-programs fault-programs fuzz-programs bench-programs row-products
 
 all: library program
 
@@ -154,6 +154,9 @@ bench-programs: $(call built,,$(benches))
 # What a row of the tests compiles to see that it does; the published products stay as they are.
 row-products: $(archive) $(folder)/libbitvox.so $(if $(cli_sources),$(folder)/bitvox) $(call built,,$(golden_tests))
 
+# A row of the matrix needs no more than this.
+golden-program: $(call built,,$(golden_tests))
+
 $(UNITY_DIR)/unity.c:
 	@sh tests/tools/get_unity.sh $(UNITY_DIR)
 
@@ -244,8 +247,26 @@ test: deps ## all tests; ends with "N passed, N failed"
 test-quick: ## the tests of this machine and compiler alone
 	@$(environment) sh tests/tools/run_tests.sh quick
 
+test-machines: deps ## every unit test on 32-bit x86 and big-endian s390x (long)
+	@$(environment) sh tests/tools/run_tests.sh machines
+
 san: ## unit, fault and fuzz tests under ASan and UBSan
 	@$(environment) sh tests/tools/run_tests.sh san
+
+matrix: ## golden values by every compiler, flag and machine that is here (MATRIX=row,row: only these; deps: DEPS=1)
+	@$(environment) MATRIX=$(call quote,$(MATRIX)) DEPS=$(DEPS) sh tests/tools/matrix.sh
+
+bare: ## the core on a Cortex-M3 without operating system, under an emulator
+	@BUILD=$(BUILD) sh tests/tools/bare.sh
+
+coverage: ## branches of src/ that the quick tests take (gcovr)
+	@BUILD=$(BUILD) UNITY_DIR=$(UNITY_DIR) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/coverage.sh
+
+analyze: ## cppcheck, clang-tidy, gcc's analyzer, stack of every function
+	@BUILD=$(BUILD) sh tests/tools/analyze.sh
+
+fuzz: ## contracts under a coverage-guided fuzzer (clang; SECONDS_EACH=60 TARGETS="solids fields" KEEP=1)
+	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' SECONDS_EACH=$(or $(SECONDS_EACH),60) TARGETS='$(TARGETS)' KEEP=$(KEEP) sh tests/tools/fuzz.sh
 
 golden: $(call built,,$(golden_tests)) $(BUILD)/libbitvox.so ## recompute golden files and show what changed
 	@sh tests/tools/rewrite_golden.sh $(call built,,$(golden_tests)) $(BUILD)

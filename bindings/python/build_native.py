@@ -12,14 +12,13 @@ from cffi import FFI
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import csource  # noqa: E402
 
-# Results are freed without a context at hand, and words of grids are combined here until the library does it.
+# Results are freed without a context at hand.
 GLUE_CDEF = """
 extern "Python" int32_t bvxpy_progress(void *, const char *, double);
-void bvxpy_combine(uint64_t *out, const uint64_t *a, const uint64_t *b, uint64_t count, int operation);
-void bvxpy_invert(bvx_grid *grid);
+extern "Python" int32_t bvxpy_inflate(void *, const void *, uint64_t, void *, uint64_t);
 """
 # What the library makes and takes back; an older library has fewer.
-THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections")
+THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections", "volume")
 
 GLUE = """
 #include "bitvox.h"
@@ -32,31 +31,9 @@ GLUE = """
         bvx_##name##_free(context, thing); \\
         bvx_context_destroy(context); \\
     }
-/* 0: and, 1: or, 2: exclusive or, 3: and not */
-static void bvxpy_combine(uint64_t *out, const uint64_t *a, const uint64_t *b, uint64_t count, int operation)
-{
-    uint64_t i;
-    if (operation == 0) for (i = 0; i < count; i++) out[i] = a[i] & b[i];
-    if (operation == 1) for (i = 0; i < count; i++) out[i] = a[i] | b[i];
-    if (operation == 2) for (i = 0; i < count; i++) out[i] = a[i] ^ b[i];
-    if (operation == 3) for (i = 0; i < count; i++) out[i] = a[i] & ~b[i];
-}
-
-/* Bits past the end of a row stay 0. */
-static void bvxpy_invert(bvx_grid *grid)
-{
-    uint64_t const rows = (uint64_t)grid->size[1] * (uint64_t)grid->size[2];
-    int const used = grid->size[0] & 63;
-    uint64_t const last = used ? (UINT64_C(1) << used) - 1 : ~UINT64_C(0);
-    uint64_t row;
-    int32_t i;
-    for (row = 0; row < rows; row++) {
-        uint64_t *const words = grid->words + row * (uint64_t)grid->words_per_row;
-        for (i = 0; i < grid->words_per_row; i++) words[i] = ~words[i];
-        words[grid->words_per_row - 1] &= last;
-    }
-}
 """
+
+
 def compiles(compiler: str, flags: list[str], program: str = "int main(void) { return 0; }\n") -> bool:
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "probe.c"

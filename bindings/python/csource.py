@@ -90,6 +90,62 @@ def missing(header: Path) -> list[str]:
     return [name for name in declared(header) if name not in defined]
 
 
+# ---- reports: structs that the library fills, as named tuples of Python ----
+
+_REPORTS = {"bvx_distance_report": "Distances", "bvx_certificate": "Certificate", "bvx_grid_difference": "Difference",
+                "bvx_fill_comparison": "FillComparison", "bvx_seed": "Seed", "bvx_octree_level": "OctreeLevel",
+                "bvx_label": "Label"}
+_TYPES = {"double": "float", "float": "float", "size_t": "int", **{f"{u}int{n}_t": "int" for u in ("", "u") for n in (8, 16, 32, 64)}}
+
+
+def _members(body: str) -> list[tuple[str, str, list[int], str]]:
+    """Type, name, sizes and comment of each member of a struct; reserved ones are left out."""
+    found = []
+    for kind, names, comment in re.findall(r"^\s*(\w+) ([\w\[\], ]+);(?:\s*/\*\*<\s*(.*?)\s*\*/)?", body, flags=re.M | re.S):
+        note = re.sub(r"\s+", " ", re.sub(r"\[Units: ([^\]]+)\]", r"[\1]", comment))
+        for part in names.split(","):
+            name, *sizes = re.findall(r"\w+", part)
+            if not name.startswith("reserved"):
+                found.append((kind, name, [int(n) for n in sizes], note))
+    return found
+
+
+def _annotation(kind: str, name: str, sizes: list[int], note: str, classes: dict[str, str]) -> str:
+    if sizes:
+        inner = _annotation(kind, name, sizes[1:], note, classes)
+        return f"tuple[{inner}, ...]" if sizes[0] > 4 else f"tuple[{', '.join([inner] * sizes[0])}]"
+    if kind == "bvx_lattice":
+        return '"Lattice"'
+    if name == "sign":
+        return "str"
+    return classes.get(kind) or ("bool" if kind == "int32_t" and note.startswith("1: ") else _TYPES[kind])
+
+
+def _note(note: str, sizes: list[int]) -> str:
+    return note.removeprefix("1: ").replace("\\", "") if not sizes else note
+
+
+def reports(header: Path) -> str:
+    """A module of one named tuple for each struct that calls fill, with the header's words on each field."""
+    text = header.read_text(encoding="utf-8")
+    structs = re.findall(r"^typedef struct (bvx_\w+) \{\n(.*?)^\} \1;", text, flags=re.M | re.S)
+    wanted = [(name, body) for name, body in structs if name.endswith("_report") or name in _REPORTS]
+    classes = {name: _REPORTS.get(name) or "".join(w.capitalize() for w in name.split("_")[1:]) for name, _ in wanted}
+    lines = ['"""What calls report: named tuples of numbers, with the fields of the C header\'s structs.', "",
+             'Made from the header when the package is built."""', "", "from typing import TYPE_CHECKING, Any, NamedTuple", "",
+             "if TYPE_CHECKING:", "    from ._lattice import Lattice", ""]
+    for name, body in wanted:
+        members = _members(body)
+        lines += ["", f"class {classes[name]}(NamedTuple):", f'    """``{name}`` of the C header.', "", "    Attributes:"]
+        lines += [f"        {member}: {_note(note, sizes)}".rstrip() for _, member, sizes, note in members]
+        lines += ['    """', ""]
+        lines += [f"    {member}: {_annotation(kind, member, sizes, note, classes)}" for kind, member, sizes, note in members]
+        lines.append("")
+    lines += ["", "BY_STRUCT: dict[str, Any] = {", *(f'    "{name}": {kind},' for name, kind in classes.items()), "}", "",
+              "__all__ = [", *(f'    "{name}",' for name in sorted(classes.values())), "]", ""]
+    return "\n".join(lines)
+
+
 def cdef(header: Path) -> str:
     """The declarations of all that can be called."""
     text = declarations(header)

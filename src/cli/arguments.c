@@ -4,6 +4,7 @@
 #include "cli/cli.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,6 +62,19 @@ static int take_triple(const char *text, cli_triple *t)
     }
     t->given = 1;
     return 1;
+}
+
+/* "2.5,7", ",7" or "2.5,". */
+static int take_pair(const char *text, cli_pair *t)
+{
+    const char *p = text;
+    t->value[0] = -HUGE_VAL;
+    t->value[1] = HUGE_VAL;
+    if (*p != ',' && !take_real(p, ",", &t->value[0], &p)) return 0;
+    if (*p++ != ',') return 0;
+    if (*p != 0 && !take_real(p, "", &t->value[1], &p)) return 0;
+    t->given = 1;
+    return p != text + 1;
 }
 
 /* The axis that a text begins with, and the stop behind it; -1 when there is none. */
@@ -159,6 +173,7 @@ static int take_value(const cli_argument *a, const char *text, cli_options *o)
         if (a->least == 1) return good && *(double *)field >= a->low && *(double *)field <= a->high;
         return good && *(double *)field > a->low && *(double *)field < a->high;
     case CLI_TRIPLE: return take_triple(text, field);
+    case CLI_PAIR: return take_pair(text, field);
     case CLI_LIST: good = take_list(a, text, ",", field); return good && !(a->most == 3 && ((cli_list *)field)->count == 2);
     case CLI_SIZE: return take_list(a, text, "x", field);
     case CLI_CUT: return take_planes(text, field);
@@ -184,6 +199,7 @@ static void describe_value(const cli_argument *a, char *text, size_t room)
         else snprintf(text, room, "a number above %g and below %g", a->low, a->high);
         break;
     case CLI_TRIPLE: snprintf(text, room, "three numbers like 3,-4,2"); break;
+    case CLI_PAIR: snprintf(text, room, "two numbers like 2.5,7 or one of them like 2.5,"); break;
     case CLI_LIST:
         if (a->most == 1) snprintf(text, room, "a whole number from %.0f to %.0f", a->low, a->high);
         else if (a->most == 3) snprintf(text, room, "one whole number or three like 64,32,16, from %.0f to %.0f", a->low, a->high);

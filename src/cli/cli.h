@@ -33,6 +33,8 @@ enum {
     CLI_SECTIONS = 1 << 12,
     CLI_SLICE = 1 << 13,
     CLI_REPAIR = 1 << 9,
+    CLI_BOOLEAN = 1 << 10,
+    CLI_MORPH = 1 << 16,
     CLI_ALL = 0x7fffffff
 };
 
@@ -65,6 +67,12 @@ typedef struct cli_planes {
 typedef struct cli_sheet {
     int32_t axis, count; /* count 0: not given */
 } cli_sheet;
+
+/* Two numbers; an end that is left out is infinite. */
+typedef struct cli_pair {
+    int given;
+    double value[2];
+} cli_pair;
 
 typedef struct cli_triple {
     int given;
@@ -117,10 +125,22 @@ typedef struct cli_options {
     int32_t sign;               /* BVX_SIGN_... */
     int32_t interpolation;      /* BVX_EDGE_... */
     int32_t sharp, measure;
+    int32_t resample;           /* boolean: grids of other lattices are sampled */
     double shell;               /* thickness in voxels */
     int64_t least_part, least_cavity;
     double half_width;          /* of a field's band; 0: no end */
     int32_t vectors, value_type; /* value_type: BVX_F32, BVX_F64 */
+    int32_t neighbourhood, steps, beyond, side, drain_side; /* morph: by the places among their names */
+    double radius, thickness, drain;
+    double level;               /* of volumes */
+    cli_pair range;
+    int64_t value_label;
+    int32_t all_labels, below;
+    cli_list shape;             /* of samples alone */
+    int32_t sample_type;        /* BVX_SAMPLE_... */
+    int32_t big_endian;
+    int64_t skip;               /* bytes before the samples */
+    cli_triple voxel_size;
 } cli_options;
 
 /* What voxelize sets: the solid, or 1 + BVX_SURFACE_...; or distances in place of voxels. */
@@ -133,6 +153,7 @@ typedef enum cli_kind {
     CLI_LONG,   /* int64_t, low to high */
     CLI_REAL,   /* double, above low and below high; with least 1: from low to high */
     CLI_TRIPLE, /* cli_triple */
+    CLI_PAIR,   /* cli_pair */
     CLI_LIST,   /* cli_list, least to most whole numbers, each low to high; 1 to 3 means 1 or 3 */
     CLI_BYTES,  /* uint64_t */
     CLI_CHOICE, /* int32_t, base and the place among the names */
@@ -217,7 +238,7 @@ typedef struct cli_report {
         double seconds;
     } stage[CLI_MAX_STAGES];
     int stages;
-    cli_mesh_entry mesh[CLI_MAX_INPUTS];
+    cli_mesh_entry mesh[CLI_MAX_OUTPUTS];
     int meshes;
     cli_text more;           /* further members as JSON, each with ", " before it */
     char *warning[CLI_MAX_WARNINGS];
@@ -258,6 +279,8 @@ typedef struct cli_bytes {
 
 /* Read a file, gzip data unpacked; "-" is standard input. */
 int cli_read_file(cli_run *run, const char *path, cli_bytes *bytes);
+/* The same within a stage of the caller's. */
+int cli_read_bytes(cli_run *run, const char *path, cli_bytes *bytes);
 /* The format of an input by --format or its name, BVX_FORMAT_... */
 int32_t cli_input_format(const cli_run *run, const char *path);
 /* How messages call an input. */
@@ -298,6 +321,36 @@ int cli_window_option(cli_run *run, bvx_window *window);
 int cli_read_input(cli_run *run, const char *path, cli_input *input); /* a mesh or a grid */
 void cli_free_input(cli_run *run, cli_input *input);
 
+/* ---- volume_input.c: scalar volumes, and the voxels that are chosen of them ---- */
+
+typedef struct cli_volume {
+    cli_bytes file, data;   /* samples may stand in either */
+    bvx_volume volume;
+    bvx_volume_view view;   /* the window of it that is wanted */
+    int placed;             /* 0: neither file nor side-car tells its lattice */
+} cli_volume;
+
+/* 1 when options choose voxels of a volume by their samples. */
+int cli_selects(const cli_run *run);
+/* 1 when the samples of an input are needed, and not what is other than 0. */
+int cli_is_volume(const cli_run *run, const char *path);
+/* Refuse options that contradict each other. */
+int cli_check_selection(cli_run *run, const char *path);
+/* Read a volume, or a window of it (NULL or all zero: all); creates run->context when there is none. */
+int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *volume);
+void cli_free_volume(cli_run *run, cli_volume *volume);
+/* The voxels of --level, --range or --label; without any those whose sample is not 0. */
+bvx_status cli_select_voxels(cli_run *run, const cli_volume *volume, bvx_volume_report *report, bvx_grid *grid);
+/* What was found in it: a member of the JSON report, lines of text, a warning. */
+void cli_tell_volume(cli_run *run, const cli_volume *volume, const bvx_volume_report *report);
+/* The side-car of a file without a lattice, where there is one; grid is all of the file or a part of it. */
+int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed);
+
+/* ---- volume_output.c: voxelize of a volume ---- */
+
+/* To a grid, or by the output's ending to one mesh or one a label. */
+int cli_voxelize_volume(cli_run *run, const bvx_window *window);
+
 /* ---- mesh_lattice.c: where voxels of a mesh lie ---- */
 
 typedef struct cli_box {
@@ -315,6 +368,11 @@ void cli_box_view(const cli_box *box, bvx_mesh_view *view);
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
 
 /* ---- solids.c: the rules that fill a mesh ---- */
+
+/* Refuse options that speak of voxelizing beside a grid; path names it. */
+int cli_refuse_for_grid(cli_run *run, const char *path);
+/* The mesh of an input becomes its solid. */
+int cli_fill_input(cli_run *run, cli_input *in);
 
 /* Refuse options that the rule of --fill has no use for. */
 int cli_check_fill(cli_run *run);
@@ -385,10 +443,17 @@ void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
 /* Say what a format leaves out of a window's grid. */
 void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
 
-/* ---- field_output.c: voxelize --mode field ---- */
+/* ---- mesh_output.c ---- */
+
+/* Write the mesh as run->options.output, which is open, and keep it. */
+int cli_write_mesh(cli_run *run, const bvx_mesh *mesh);
+
+/* ---- field_output.c: distances as files; voxelize --mode field ---- */
 
 /* Refuse options and names that the mode has no use for; choose the padding. */
 int cli_check_field(cli_run *run);
+/* Write a field as one file or two. */
+int cli_write_field(cli_run *run, const bvx_field *field);
 /* Measure on the report's lattice, write, tell; ends the stage that the caller began. */
 int cli_voxelize_field(cli_run *run, const bvx_mesh_view *view, const bvx_window *window);
 
@@ -498,10 +563,12 @@ const cli_command *cli_command_at(int i);
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
 extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill,
-    cli_sections, cli_slice, cli_repair;
+    cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
+/* cmd_lod.c: a pattern with its %d replaced, to be freed; NULL without memory. */
+char *cli_numbered_path(const char *pattern, int64_t number);
 /* cmd_lod.c: what of a mesh a format cannot hold, as a warning. */
 void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
 

@@ -13,15 +13,14 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
 /* ---- what is asked for ---- */
 
-/* The pattern with its %d replaced. */
-static char *level_path(const char *pattern, int level)
+char *cli_numbered_path(const char *pattern, int64_t number)
 {
-    size_t const room = strlen(pattern) + 16;
+    size_t const room = strlen(pattern) + 32;
     const char *const place = strstr(pattern, "%d");
     char *const path = malloc(room);
     if (path == NULL) return NULL;
     if (place == NULL) snprintf(path, room, "%s", pattern);
-    else snprintf(path, room, "%.*s%d%s", (int)(place - pattern), pattern, level, place + 2);
+    else snprintf(path, room, "%.*s%" PRId64 "%s", (int)(place - pattern), pattern, number, place + 2);
     return path;
 }
 
@@ -239,7 +238,7 @@ static int open_level_outputs(cli_run *run, cli_chain *c)
 {
     for (int i = 0; i < c->count; i++) {
         int status;
-        c->path[i] = level_path(run->options.output, i);
+        c->path[i] = cli_numbered_path(run->options.output, i);
         if (c->path[i] == NULL) return cli_fail(run, "no memory for a file's name");
         status = cli_open_output(run, c->path[i]);
         if (status != CLI_DONE) return status;
@@ -260,8 +259,9 @@ static int run_lod(cli_run *run)
 }
 
 const cli_command cli_lod = {
-    "lod", CLI_LOD, 1, 1, "IN -o OUT_%d.EXT [options]", "a chain of closed meshes of several sizes from one mesh or grid",
+    "lod", CLI_LOD, 1, 1, "IN -o OUT_%d.EXT [options]", "a chain of closed meshes of several sizes from one mesh, grid or volume",
     "Reads a mesh (.stl .obj .ply .off, also with .gz) and voxelizes it once, or reads a grid (.npy .binvox\n"
-    ".vox .nrrd .vti .bvx), and writes one closed, manifold mesh a level (.ply .obj .stl .off .glb; %d\n"
+    ".vox .nrrd .vti .bvx) or with --level, --range or --label a volume, and writes one closed, manifold mesh a level (.ply .obj .stl .off .glb; %d\n"
     "becomes 0, 1, 2 ...), with a table of size, time and distance.",
-    "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16", run_lod};
+    "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16\n"
+    "bitvox lod fixtures/waves.nhdr -o waves_%d.ply --level 120 --levels 24,12", run_lod};

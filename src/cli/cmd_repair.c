@@ -131,21 +131,6 @@ static void report_repair(cli_run *run, const bvx_repair_report *report)
     add_repair_json(run, report, run->options.measure);
 }
 
-static int write_repaired(cli_run *run, const bvx_mesh *mesh)
-{
-    const char *const out = run->options.output;
-    bvx_buffer file = {0};
-    bvx_status status;
-    int result;
-    cli_stage_begin(run, "write");
-    status = bvx_write_mesh(run->context, mesh, bvx_format_of_name(out), &file);
-    result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, out);
-    if (result == CLI_DONE) result = cli_keep_outputs(run);
-    cli_stage_end(run);
-    bvx_buffer_free(run->context, &file);
-    return result;
-}
-
 static int run_repair(cli_run *run)
 {
     static bvx_repair_report report; /* the run's report points into it */
@@ -155,7 +140,7 @@ static int run_repair(cli_run *run)
     if (status == CLI_DONE) status = cli_read_mesh(run, run->options.input[0], &source);
     if (status == CLI_DONE) status = repair_mesh(run, &source, &repaired, &report);
     if (status == CLI_DONE) report_repair(run, &report);
-    if (status == CLI_DONE) status = write_repaired(run, &repaired);
+    if (status == CLI_DONE) status = cli_write_mesh(run, &repaired);
     if (status == CLI_DONE) {
         cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
         say_found(run, &report);

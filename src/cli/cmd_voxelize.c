@@ -37,18 +37,32 @@ static int check_second(cli_run *run)
     return status;
 }
 
+/* A volume has its own lattice. */
+static int check_volume(cli_run *run, bvx_window *window)
+{
+    static const char *const of_meshes[] = {"--resolution", "--spacing", "--origin", "--padding", "--mode", "--fill", "--close-gaps",
+                                            "--add-shell", "--check-edges", "--compare-fills", "--base", "--second", "--up",
+                                            "--half-width", "--sign", "--vectors", "--value-type"};
+    for (size_t i = 0; i < sizeof of_meshes / sizeof of_meshes[0]; i++)
+        if (cli_given(run, of_meshes[i]))
+            return cli_usage(run, "%s is for meshes; %s is a volume", of_meshes[i], cli_input_name(run->options.input[0]));
+    return cli_window_option(run, window);
+}
+
 static int check_voxelize_options(cli_run *run, bvx_window *window)
 {
-    int kind, status = cli_check_grid_name(run, run->options.output);
+    int kind, status = cli_input_kind(run, run->options.input[0], &kind);
+    if (status == CLI_DONE && kind == CLI_GRID && cli_is_volume(run, run->options.input[0])) return check_volume(run, window);
+    if (status == CLI_DONE) status = cli_check_grid_name(run, run->options.output);
     if (status == CLI_DONE) status = cli_check_lattice(run);
     if (status == CLI_DONE) status = check_mode(run);
     if (status == CLI_DONE) status = cli_check_field(run);
     if (status == CLI_DONE) status = cli_check_fill(run);
     if (status == CLI_DONE) status = check_second(run);
     if (status == CLI_DONE) status = cli_window_option(run, window);
-    if (status == CLI_DONE) status = cli_input_kind(run, run->options.input[0], &kind);
     if (status == CLI_DONE && kind == CLI_GRID)
-        return cli_usage(run, "%s is a grid already: 'bitvox convert' writes it in another format", cli_input_name(run->options.input[0]));
+        return cli_usage(run, "%s is a grid already: 'bitvox convert' writes it in another format; --level, --range or --label choose "
+                         "voxels of a volume", cli_input_name(run->options.input[0]));
     return status;
 }
 
@@ -184,6 +198,7 @@ static int run_voxelize(cli_run *run)
     int status;
     memset(&job, 0, sizeof job);
     status = check_voxelize_options(run, &job.window);
+    if (status == CLI_DONE && cli_is_volume(run, run->options.input[0])) return cli_voxelize_volume(run, &job.window);
     if (status == CLI_DONE) status = cli_open_grid_output(run, run->options.output);
     if (status == CLI_DONE) status = read_meshes(run, &job);
     if (status == CLI_DONE) status = voxelize_mesh(run, &job);
@@ -194,12 +209,18 @@ static int run_voxelize(cli_run *run)
 }
 
 const cli_command cli_voxelize = {
-    "voxelize", CLI_VOXELIZE, 1, 1, "IN -o OUT [options]", "the solid or the surface of a mesh as a grid of voxels",
+    "voxelize", CLI_VOXELIZE, 1, 1, "IN -o OUT [options]", "a mesh or a volume as a grid of voxels",
     "Reads a mesh (.stl .obj .ply .off, also with .gz) and writes the voxels whose centres lie inside it,\n"
     "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a\n"
     "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
     "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"
-    "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.",
+    "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.\n"
+    "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT is a\n"
+    "mesh (.ply .obj .stl .off .glb) it becomes their closed surface: of --level by the values between the\n"
+    "samples, else at the middle between set and empty ones; --all-labels writes one a label. Samples that\n"
+    "are NaN or infinite are outside, and counted.",
     "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128\n"
     "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin\n"
-    "bitvox voxelize fixtures/knot.ply -o distance.vti --mode field --resolution 64", run_voxelize};
+    "bitvox voxelize fixtures/knot.ply -o distance.vti --mode field --resolution 64\n"
+    "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120\n"
+    "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels", run_voxelize};

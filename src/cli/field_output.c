@@ -1,4 +1,4 @@
-/* field_output.c - voxelize --mode field: distances from the centres of voxels to a mesh, as one file or two. */
+/* field_output.c - distances from the centres of voxels as one file or two; voxelize --mode field. */
 #include "cli/cli.h"
 
 #include <inttypes.h>
@@ -36,7 +36,7 @@ static int write_field_buffer(cli_run *run, int number, bvx_status status, bvx_b
     return result;
 }
 
-static int write_field(cli_run *run, const bvx_field *field)
+int cli_write_field(cli_run *run, const bvx_field *field)
 {
     int32_t const format = bvx_format_of_name(run->options.output);
     bvx_buffer file = {0};
@@ -93,7 +93,7 @@ int cli_voxelize_field(cli_run *run, const bvx_mesh_view *view, const bvx_window
     if (field.inside.words != NULL) bvx_grid_count(run->context, &field.inside, &inside);
     run->report.set = field.value_count;
     run->report.has_set = 1;
-    result = write_field(run, &field);
+    result = cli_write_field(run, &field);
     if (result == CLI_DONE) tell_field(run, &field, inside);
     bvx_field_free(run->context, &field);
     return result;

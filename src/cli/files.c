@@ -246,7 +246,7 @@ int32_t cli_input_format(const cli_run *run, const char *path)
     return strcmp(path, "-") == 0 ? run->options.format : bvx_format_of_name(path);
 }
 
-int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
+int cli_read_bytes(cli_run *run, const char *path, cli_bytes *b)
 {
     int const standard = strcmp(path, "-") == 0;
     FILE *file;
@@ -255,14 +255,21 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
 #if defined(_WIN32)
     if (standard) _setmode(_fileno(stdin), _O_BINARY);
 #endif
-    cli_stage_begin(run, "read");
     file = standard ? stdin : fopen(path, "rb");
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
     status = read_bytes(run, path, file, b);
     if (!standard) fclose(file);
     if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
     cli_note_peak(run, b->size);
-    cli_stage_end(run);
+    return status;
+}
+
+int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
+{
+    int status;
+    cli_stage_begin(run, "read");
+    status = cli_read_bytes(run, path, b);
+    if (status == CLI_DONE) cli_stage_end(run);
     return status;
 }
 

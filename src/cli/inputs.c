@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define INPUT_ENDINGS ".stl .obj .ply .off, or .npy .binvox .vox .nrrd .vti .bvx, also with .gz"
+#define INPUT_ENDINGS ".stl .obj .ply .off, or .npy .binvox .vox .nrrd .nhdr .vti .bvx .raw, also with .gz"
 
 int cli_kind_of_format(int32_t format)
 {
@@ -38,7 +38,7 @@ int cli_is_packed(const char *path)
 
 const char *cli_format_name(int32_t format)
 {
-    static const char *const name[] = {"unknown", "stl", "obj", "ply", "npy", "png", "off", "glb", "binvox", "vox", "nrrd", "vti", "bvx", "vtu"};
+    static const char *const name[] = {"unknown", "stl", "obj", "ply", "npy", "png", "off", "glb", "binvox", "vox", "nrrd", "vti", "bvx", "vtu", "raw"};
     return format > 0 && format < (int32_t)(sizeof name / sizeof name[0]) ? name[format] : name[0];
 }
 
@@ -61,7 +61,7 @@ char *cli_sidecar_name(const char *path)
 int cli_input_kind(cli_run *run, const char *path, int *kind)
 {
     int32_t const format = cli_input_format(run, path);
-    *kind = format == BVX_FORMAT_GLB ? 0 : cli_kind_of_format(format);
+    *kind = format == BVX_FORMAT_GLB ? 0 : format == BVX_FORMAT_RAW ? CLI_GRID : cli_kind_of_format(format);
     if (*kind != 0) return CLI_DONE;
     if (strcmp(path, "-") == 0)
         return cli_usage(run, "--format names no mesh format that is read, and no grid format (stl, obj, ply, off, npy, binvox, vox, "
@@ -95,7 +95,7 @@ static bvx_status take_lattice(cli_run *run, const cli_bytes *b, bvx_grid *grid)
     return BVX_OK;
 }
 
-static int read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed)
+int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed)
 {
     char *const name = strcmp(path, "-") == 0 ? NULL : cli_sidecar_name(path);
     cli_bytes b = {NULL, 0, 0, 0};
@@ -142,17 +142,38 @@ static int parse_grid(cli_run *run, const cli_bytes *b, const bvx_window *window
     return read == BVX_OK ? CLI_DONE : cli_fail_status(run, read, cli_input_name(in->path));
 }
 
+/* The chosen voxels of a volume. */
+static int read_selected(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
+{
+    bvx_volume_report report;
+    cli_volume v;
+    int status = cli_read_volume(run, path, window, &v);
+    in->kind = CLI_GRID;
+    in->placed = v.placed;
+    if (status == CLI_DONE) {
+        bvx_status selected;
+        cli_stage_begin(run, "threshold");
+        selected = cli_select_voxels(run, &v, &report, &in->grid);
+        cli_stage_end(run);
+        if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));
+        else cli_tell_volume(run, &v, &report);
+    }
+    cli_free_volume(run, &v);
+    return status;
+}
+
 int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
 {
     cli_bytes b = {NULL, 0, 0, 0};
     int status;
     memset(in, 0, sizeof *in);
     in->path = path;
+    if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
     status = cli_read_file(run, path, &b);
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
     free(b.bytes);
-    if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path))) status = read_sidecar(run, path, &in->grid, &in->placed);
+    if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path))) status = cli_read_sidecar(run, path, &in->grid, &in->placed);
     return status;
 }
 

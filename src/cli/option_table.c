@@ -30,33 +30,43 @@
     {name, value, CLI_SET, commands, FIELD(field), 0, 0, 0, 0, names, base, help}
 #define FILE_NAME(name, value, commands, field, help) {name, value, CLI_FILE, commands, FIELD(field), 0, 0, 0, 0, NULL, 0, help}
 
+#define TAKES_VOLUMES (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)
+
 /* In the order of their numbers. */
 static const char *const method_names[] = {"edge-ratio", "coverage", NULL};
 const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding", NULL};
 const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", "field", NULL};
 const char *const cli_sign_names[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none", NULL};
 static const char *const repair_sign_names[] = {"auto", "exact", "", "", "winding", "vote", NULL};
+static const char *const boolean_fill_names[] = {"parity", "nonzero", "vote", "", "", "", "winding", NULL};
 static const char *const edge_names[] = {"vector", "scalar", "middle", "paper", "tangent", NULL};
 static const char *const value_type_names[] = {"f32", "f64", NULL};
 static const char *const axis_names[] = {"x", "y", "z", NULL};
 static const char *const state_names[] = {"outside", "inside", "surface", NULL};
 static const char *const connectivity_names[] = {"6", "18", "26", NULL};
+static const char *const side_names[] = {"x-low", "x-high", "y-low", "y-high", "z-low", "z-high", NULL};
+static const char *const distance_names[] = {"outside", "inside", "signed", NULL};
+static const char *const beyond_names[] = {"nothing", "empty", "set", NULL}; /* by BVX_BEYOND_... */
 static const char *const auto_names[] = {"auto", NULL};
 static const char *const caps_names[] = {"flat", "taper", "open", NULL};
 static const char *const crossings_names[] = {"exact", "paper", "classic", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
+/* By BVX_SAMPLE_... */
+static const char *const sample_type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", NULL};
 /* By BVX_FORMAT_...; those that are only written have no name here. */
-static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
+static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", "", "raw", NULL};
 
 static const cli_argument arguments[] = {
-    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR, output,
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH, output,
               "where the result goes; the ending tells the format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis [8 x the finest level, less where memory is short]"),
-    LIST("--resolution", "N|X,Y,Z", CLI_VOXELIZE | CLI_FACES, resolution, 1, LARGEST_SIDE, 1, 3,
+    LIST("--resolution", "N|X,Y,Z", CLI_VOXELIZE | CLI_FACES | CLI_MORPH, resolution, 1, LARGEST_SIDE, 1, 3,
          "voxels along the longest axis, or along each axis [256]"),
-    BETWEEN("--spacing", "S", CLI_VOXELIZE | CLI_FACES, spacing, 0, 1e300, "edge of a voxel in the mesh's unit, in place of --resolution"),
-    TRIPLE("--origin", "X,Y,Z", CLI_VOXELIZE | CLI_FACES, origin, "low corner of voxel 0,0,0, with --spacing [the mesh's low corner]"),
+    LIST("--resolution", "N", CLI_BOOLEAN, resolution, 1, 16777216.0, 1, 1,
+         "voxels along the longest axis of both meshes together [256]"),
+    BETWEEN("--spacing", "S", CLI_VOXELIZE | CLI_FACES | CLI_BOOLEAN | CLI_MORPH, spacing, 0, 1e300, "edge of a voxel in the mesh's unit, in place of --resolution"),
+    TRIPLE("--origin", "X,Y,Z", CLI_VOXELIZE | CLI_FACES | CLI_MORPH, origin, "low corner of voxel 0,0,0, with --spacing [the mesh's low corner]"),
     LIST("--window", "A,B,C,D,E,F", CLI_VOXELIZE, window, 0, LARGEST_SIDE, 6, 6,
          "only voxels A..D-1, B..E-1, C..F-1 of the lattice"),
     LIST("--window", "A,B,C,D,E,F", CLI_CONVERT, window, 0, LARGEST_SIDE, 6, 6,
@@ -65,6 +75,7 @@ static const cli_argument arguments[] = {
          "halve voxels to the last level only in A..D-1, B..E-1, C..F-1 of it"),
     WHOLE("--padding", "N", CLI_VOXELIZE, padding, 0, 65536, "empty voxels added on every side [0; --mode field: the half-width]"),
     WHOLE("--padding", "N", CLI_LOD | CLI_FACES, padding, 0, 65536, "empty voxels added on every side [0]"),
+    WHOLE("--padding", "N", CLI_MORPH, padding, 0, 65536, "empty voxels added on every side [0; dilate: what it reaches]"),
     LIST("--levels", "A,B,C", CLI_LOD, levels, 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
          "samples along the longest axis of each level [64,32,16]"),
     LIST("--triangles", "A,B,C", CLI_LOD, triangles, 1, 4294967295.0, 1, CLI_MAX_LEVELS,
@@ -88,19 +99,35 @@ static const cli_argument arguments[] = {
            "normal: the side of the closest place or triangle; none; auto: exact\nfor closed meshes, else vote where triangles are flipped, else winding\n[auto]"),
     FLAG("--vectors", CLI_VOXELIZE, vectors, "with --mode field: vectors to the closest points, not distances"),
     CHOICE("--value-type", "TYPE", CLI_VOXELIZE, value_type, value_type_names, BVX_F32, "with --mode field: f32 or f64 [f32]"),
-    CHOICE("--fill", "RULE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, fill, cli_fill_names, BVX_FILL_PARITY,
+    CHOICE("--fill", "RULE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES | CLI_MORPH, fill, cli_fill_names, BVX_FILL_PARITY,
            "parity: nested shells are cavities; nonzero: overlapping and\ninverted shells are one solid; vote: what rows along three axes agree\n"
            "on, else all directions, for meshes with holes; flood: what a flood\nfrom outside cannot reach, cavities included; regions: what the\n"
            "surface parts is inside or outside as a whole; below: all under a terrain;\n"
            "winding: more than half a turn, for holes in overlapping parts [parity]"),
-    WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, close_gaps, 0, 65535,
+    WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES | CLI_MORPH, close_gaps, 0, 65535,
           "with --fill flood: gaps of up to N voxels hold the flood [0]"),
+    CHOICE("--fill", "RULE", CLI_BOOLEAN, fill, boolean_fill_names, BVX_FILL_PARITY,
+           "what is inside a mesh. parity: nested shells are cavities; nonzero:\noverlapping and inverted shells are one solid; vote, winding: for\n"
+           "meshes with holes [parity]"),
+    FLAG("--resample", CLI_BOOLEAN, resample, "bring a grid of another lattice to that of A, by its values at the\nvoxels' centres"),
     FLAG("--add-shell", CLI_VOXELIZE | CLI_FILL, add_shell, "set all voxels of the surface too"),
     FLAG("--check-edges", CLI_VOXELIZE, check_edges, "count edges with one triangle, and those between flipped ones"),
     FLAG("--compare-fills", CLI_VOXELIZE, compare_fills, "a table of what each rule would set, and where they differ"),
     NUMBER("--base", "H", CLI_VOXELIZE, base, "with --fill below: the height that columns stand on [the lattice's\nlow end]"),
     FILE_NAME("--second", "MESH", CLI_VOXELIZE, second, "with --fill below: what lies between IN and this terrain; tells cut\nand fill"),
     CHOICE("--up", "AXIS", CLI_VOXELIZE, up_axis, axis_names, 1, "with --fill below: x, y or z [z]"),
+    NUMBER("--level", "V", TAKES_VOLUMES, level, "of a volume: set voxels whose sample is V or more (--below: or less)"),
+    {"--range", "A,B", CLI_PAIR, TAKES_VOLUMES, FIELD(range), 0, 0, 0, 0, NULL, 0,
+     "of a volume: set voxels whose sample lies from A to B; one end may be\nleft out"},
+    LONG("--label", "N", TAKES_VOLUMES, value_label, 0, 9007199254740992.0, "of a label map: set the voxels of value N"),
+    FLAG("--all-labels", CLI_VOXELIZE, all_labels, "of a label map: a mesh for each value but 0, to OUT_%d.EXT"),
+    FLAG("--below", TAKES_VOLUMES, below, "with --level: what lies below it is inside"),
+    LIST("--shape", "X,Y,Z", TAKES_VOLUMES, shape, 1, LARGEST_SIDE, 3, 3, "samples along each axis of a .raw file, x fastest"),
+    CHOICE("--sample-type", "TYPE", TAKES_VOLUMES, sample_type, sample_type_names, BVX_SAMPLE_U8,
+           "of a .raw file: u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64"),
+    FLAG("--big-endian", TAKES_VOLUMES, big_endian, "the samples of a .raw file have their highest byte first"),
+    LONG("--skip", "BYTES", TAKES_VOLUMES, skip, 0, 9007199254740992.0, "bytes before the samples of a .raw file [0]"),
+    TRIPLE("--voxel-size", "X,Y,Z", TAKES_VOLUMES, voxel_size, "sides of a voxel of a .raw file [1,1,1]"),
     FLAG("--merge", CLI_FACES, merge, "faces of one plane become few rectangles"),
     LIST("--resolution", "N", CLI_REFINE, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels of the last level along the longest axis, at least, in place\nof --base [--base x 2^--levels]"),
@@ -135,9 +162,9 @@ static const cli_argument arguments[] = {
          "most triangles: the largest resolution is taken that keeps to them,\nup to --resolution [all]"),
     CHOICE("--sign", "RULE", CLI_REPAIR, sign, repair_sign_names, BVX_SIGN_AUTO,
            "winding: holes and overlaps; vote: holes and flipped triangles;\nexact: nested shells are cavities; auto: vote where triangles are\nflipped, else winding [auto]"),
-    CHOICE("--interpolation", "HOW", CLI_REPAIR, interpolation, edge_names, BVX_EDGE_VECTOR,
+    CHOICE("--interpolation", "HOW", CLI_REPAIR | CLI_BOOLEAN, interpolation, edge_names, BVX_EDGE_VECTOR,
            "tangent: from the planes at the closest points; vector: from the line\nthrough them; scalar: from the signed distance; middle; paper: vector\nwith the paper's clamps [tangent]"),
-    FLAG("--sharp", CLI_REPAIR, sharp, "put vertices on sharp edges and corners"),
+    FLAG("--sharp", CLI_REPAIR | CLI_BOOLEAN, sharp, "put vertices on sharp edges and corners"),
     FROM_TO("--shell", "T", CLI_REPAIR, shell, 0, 1e6, "thickness of shells in voxels, from 1.5; 0: none are made [2]"),
     LONG("--least-part", "N", CLI_REPAIR, least_part, 0, 1e15, "parts of fewer voxels are dropped [0]"),
     LONG("--least-cavity", "N", CLI_REPAIR, least_cavity, 0, 1e15, "cavities of fewer voxels are filled [0]"),
@@ -149,6 +176,16 @@ static const cli_argument arguments[] = {
          "empty voxels to fill from, counted from the grid's first one, three\nnumbers each [one in every pocket]"),
     FILE_NAME("--mesh", "MESH", CLI_FILL, mesh, "the mesh behind the surface: pockets outside of it stay empty"),
     CHOICE("--connectivity", "N", CLI_FILL, connectivity, connectivity_names, 0, "6: through faces; 18: and edges; 26: and corners [6]"),
+    CHOICE("--neighbourhood", "N", CLI_MORPH, neighbourhood, connectivity_names, 0, "6: voxels across faces; 18: and edges; 26: and corners [6]"),
+    WHOLE("--steps", "N", CLI_MORPH, steps, 1, 65536, "how many times the neighbourhood is applied [1]"),
+    FROM_TO("--radius", "R", CLI_MORPH, radius, 0, 1e300, "a ball in place of the neighbourhood, in the lattice's unit"),
+    FROM_TO("--thickness", "T", CLI_MORPH, thickness, 0, 1e300, "hollow: of the shell, in the lattice's unit"),
+    FROM_TO("--drain", "R", CLI_MORPH, drain, 0, 1e300, "hollow: radius of a round hole through the shell [none]"),
+    CHOICE("--drain-side", "SIDE", CLI_MORPH, drain_side, side_names, 0, "where the hole comes from: x-low, x-high, y-low, y-high, z-low or\nz-high [z-low]"),
+    CHOICE("--side", "NAME", CLI_MORPH, side, distance_names, BVX_DISTANCE_OUTSIDE,
+           "distance. outside: of each centre to the nearest set one; inside: to\nthe nearest empty one; signed: the first less the second [outside]"),
+    CHOICE("--beyond", "WHAT", CLI_MORPH, beyond, beyond_names, 0, "what lies beyond the grid: empty or set voxels; distance: or nothing\n[empty; distance: nothing]"),
+    CHOICE("--value-type", "TYPE", CLI_MORPH, value_type, value_type_names, BVX_F32, "distance: f32 or f64 [f32]"),
     LONG("--seed", "N", CLI_COMPARE, seed, 0, 4294967295.0, "another seed, other points [1]"),
     SIZE("--size", "WxH", CLI_RENDER, size, 16384, "pixels of a picture [1024x768; 640x480 each for several meshes]"),
     TRIPLE("--from", "X,Y,Z", CLI_RENDER, from, "direction from the model to the eye [3,-4,2]"),

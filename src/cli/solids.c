@@ -2,6 +2,7 @@
 #include "cli/cli.h"
 
 #include <inttypes.h>
+#include <string.h>
 
 int cli_check_fill(cli_run *run)
 {
@@ -17,6 +18,15 @@ int cli_check_fill(cli_run *run)
     if ((o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS) && o->window.count != 0)
         return cli_usage(run, "--fill %s needs the whole lattice, no --window", cli_fill_names[o->fill]);
     if (o->compare_fills && o->window.count != 0) return cli_usage(run, "--compare-fills needs the whole lattice, no --window");
+    return CLI_DONE;
+}
+
+int cli_refuse_for_grid(cli_run *run, const char *path)
+{
+    static const char *const option[] = {"--resolution", "--spacing", "--origin", "--padding", "--fill", "--close-gaps"};
+    for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
+        if (cli_given(run, option[i]))
+            return cli_usage(run, "%s is for meshes; %s is a grid", option[i], cli_input_name(path));
     return CLI_DONE;
 }
 
@@ -52,6 +62,28 @@ void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_repor
     if (r->mixed_regions != 0)
         cli_warn(run, "%" PRIu64 " of %" PRIu64 " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64
                  " voxels kept its own vote", r->mixed_regions, r->regions, r->mixed_voxels);
+}
+
+int cli_fill_input(cli_run *run, cli_input *in)
+{
+    bvx_solid_report report;
+    bvx_voxelize_options v;
+    bvx_mesh_view view;
+    bvx_lattice lattice;
+    bvx_status status;
+    memset(&report, 0, sizeof report);
+    bvx_voxelize_options_init(&v, sizeof v);
+    cli_take_fill(run, &v);
+    v.report = &report;
+    bvx_mesh_view_of(&in->mesh, &view);
+    cli_stage_begin(run, "voxelize");
+    status = cli_make_lattice(run, &view, &lattice);
+    if (status == BVX_OK) status = bvx_voxelize_solid(run->context, &view, &lattice, &v, &in->grid);
+    cli_stage_end(run);
+    bvx_mesh_free(run->context, &in->mesh);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    cli_warn_of_solid(run, &in->grid, &report);
+    return CLI_DONE;
 }
 
 static double voxel_volume(const bvx_lattice *l)

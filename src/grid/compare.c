@@ -20,35 +20,6 @@ typedef struct compare_work {
     int32_t pieces;
 } compare_work;
 
-/* ---- Are they of one lattice and window? ---- */
-
-static bvx_status fail_compare(bvx_context *ctx, const char *function, const char *field, double a, double b)
-{
-    return bvxi_fail(ctx, BVX_ERR_LATTICE, "%s: the grids differ in %s, %g in a and %g in b", function, field, a, b);
-}
-
-static bvx_status compare_lattices(bvx_context *ctx, const char *function, const bvx_grid *a, const bvx_grid *b)
-{
-    static const char *const names[5][3] = {
-        {"the lattice's origin along x", "the lattice's origin along y", "the lattice's origin along z"},
-        {"the lattice's spacing along x", "the lattice's spacing along y", "the lattice's spacing along z"},
-        {"the lattice's dims along x", "the lattice's dims along y", "the lattice's dims along z"},
-        {"the window's low along x", "the window's low along y", "the window's low along z"},
-        {"the window's size along x", "the window's size along y", "the window's size along z"}};
-    for (int32_t f = 0; f < 5; f++)
-        for (int32_t i = 0; i < 3; i++) {
-            double const of_a[5] = {a->lattice.origin[i], a->lattice.spacing[i], (double)a->lattice.dims[i], (double)a->low[i],
-                                    (double)a->size[i]};
-            double const of_b[5] = {b->lattice.origin[i], b->lattice.spacing[i], (double)b->lattice.dims[i], (double)b->low[i],
-                                    (double)b->size[i]};
-            if (of_a[f] != of_b[f]) return fail_compare(ctx, function, names[f][i], of_a[f], of_b[f]);
-        }
-    if (a->lattice.fraction_bits != b->lattice.fraction_bits)
-        return fail_compare(ctx, function, "the lattice's fraction_bits", (double)a->lattice.fraction_bits,
-                            (double)b->lattice.fraction_bits);
-    return BVX_OK;
-}
-
 /* ---- The pass over all words ---- */
 
 static void clear_compare_sums(const int32_t size[3], compare_sums *s)
@@ -250,7 +221,7 @@ bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_g
     memset(&d, 0, sizeof d);
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid a", a));
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid b", b));
-    BVXI_TRY(compare_lattices(context, function, a, b));
+    BVXI_TRY(bvxi_grid_same(context, function, a, b));
     BVXI_TRY(compare_words(context, &w, &all));
     BVXI_TRY(count_components(context, function, &w, &all, 0, &d.components_only_a, &d.largest_only_a));
     BVXI_TRY(count_components(context, function, &w, &all, 1, &d.components_only_b, &d.largest_only_b));

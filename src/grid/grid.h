@@ -11,6 +11,14 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
 bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice, const bvx_window *window,
                           bvx_grid *grid);
 
+/* Refuse two checked grids of different lattices or windows, naming the first field that differs. */
+bvx_status bvxi_grid_same(bvx_context *ctx, const char *function, const bvx_grid *a, const bvx_grid *b);
+/* Refuse a result that is NULL, or the grid that it is made from. */
+bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_grid *result);
+/* Run the tasks that fill a grid after bvxi_grid_open; mine: its words are the library's, so a cancelled one goes back to them. */
+bvx_status bvxi_grid_fill_by(bvx_context *ctx, const char *stage, int32_t pieces, bvx_task_fn *task, void *user, int mine,
+                             bvx_grid *result);
+
 static inline uint64_t bvxi_grid_rows(const bvx_grid *grid)
 {
     return (uint64_t)grid->size[1] * (uint64_t)grid->size[2];

@@ -3,7 +3,8 @@
 #define BVXI_GRID_FORMATS_H
 
 #include "grid/grid.h"
-#include "io/bytes.h"
+#include "io/base64.h"
+#include "io/formats.h"
 
 /* ---- readers: arguments are checked; grid is what the caller gave, and freed by him on failure ---- */
 
@@ -11,13 +12,11 @@ typedef struct bvxi_grid_source {
     bvx_context *ctx;
     const uint8_t *begin, *end;
     const bvx_window *window; /* voxels of the file that are wanted; NULL: all */
+    const bvx_read_volume_options *volume; /* the samples themselves are wanted; NULL: a grid */
 } bvxi_grid_source;
 
-bvx_status bvxi_read_npy(const bvxi_grid_source *source, bvx_grid *grid);
 bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid);
 bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid);
-bvx_status bvxi_read_nrrd(const bvxi_grid_source *source, bvx_grid *grid);
-bvx_status bvxi_read_vti(const bvxi_grid_source *source, bvx_grid *grid);
 bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid);
 
 /* The box that a file says it holds: refused (with the format's name in the message) when it is no lattice. */
@@ -34,11 +33,8 @@ void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_
 
 /* ---- dense samples: npy, nrrd, vti ---- */
 
-/* Kinds of numbers in files. */
-enum {
-    BVXI_SAMPLE_U8 = 1, BVXI_SAMPLE_I8, BVXI_SAMPLE_U16, BVXI_SAMPLE_I16, BVXI_SAMPLE_U32, BVXI_SAMPLE_I32, BVXI_SAMPLE_U64,
-    BVXI_SAMPLE_I64, BVXI_SAMPLE_F32, BVXI_SAMPLE_F64, BVXI_SAMPLE_F16
-};
+/* Kinds of numbers in files: BVX_SAMPLE_..., and one that volumes hold as F32. */
+enum { BVXI_SAMPLE_F16 = BVX_SAMPLE_F64 + 1 };
 
 /* Bytes of one number; 0 for no kind. */
 static inline uint32_t bvxi_sample_size(int32_t kind)
@@ -50,18 +46,53 @@ static inline uint32_t bvxi_sample_size(int32_t kind)
 /* Samples in a file: the one of voxel (x,y,z) stands at first + x * stride[0] + y * stride[1] + z * stride[2]. */
 typedef struct bvxi_samples {
     const uint8_t *first;
-    uint64_t stride[3]; /* [Units: bytes] */
-    int32_t kind;       /* BVXI_SAMPLE_... */
-    int32_t big;        /* 1: big-endian */
+    int64_t stride[3]; /* [Units: bytes] */
+    int32_t kind;      /* BVX_SAMPLE_..., BVXI_SAMPLE_F16 */
+    int32_t big;       /* 1: big-endian */
 } bvxi_samples;
+
+/* One behind the other, x fastest; the bytes of all of them fit 63 bits. */
+static inline void bvxi_pack_strides(bvxi_samples *samples, const bvx_lattice *box)
+{
+    samples->stride[0] = (int64_t)bvxi_sample_size(samples->kind);
+    samples->stride[1] = samples->stride[0] * box->dims[0];
+    samples->stride[2] = samples->stride[1] * box->dims[1];
+}
+
+/* How a file holds samples. */
+enum { BVXI_DENSE_RAW = 0, BVXI_DENSE_TEXT, BVXI_DENSE_BASE64, BVXI_DENSE_GZIP };
+
+/* What a file of samples says of itself, checked: sizes agree with the bytes that are there as far as they can be told. */
+typedef struct bvxi_dense {
+    const char *format;        /* "NRRD", for messages */
+    bvx_lattice box;
+    int32_t placed;            /* 0: the file tells no lattice */
+    int32_t encoding;          /* BVXI_DENSE_... */
+    bvxi_samples samples;      /* RAW: where they stand; others: packed, x fastest, from the first byte of what is unpacked */
+    uint64_t size;             /* of all samples, but for TEXT [Units: bytes] */
+    bvxi_source source;        /* TEXT, BASE64: the file that lines are counted in; its end is the text's */
+    const char *begin, *end;   /* TEXT, GZIP: what is to be unpacked */
+    const char *behind;        /* TEXT, BASE64: "the end of the array": what must stand there; NULL: anything may */
+    const char *array;         /* BASE64: its tag, for messages */
+    bvxi_base64 base64;        /* BASE64: where samples begin */
+} bvxi_dense;
+
+bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense);
+bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense);
+bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense);
+/* "VTI: line 3: the array's 64 bytes are not all there (byte 70)". */
+BVXI_COLD bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size, const char *at);
+
+/* read_dense.c: the voxels whose sample is not 0. */
+bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense *dense, bvx_grid *grid);
+/* Packed samples of encodings other than RAW and TEXT, dense->size bytes in the file's byte order. */
+bvx_status bvxi_unpack_dense(const bvxi_grid_source *source, const bvxi_dense *dense, uint8_t *bytes);
+/* The next number of a text, with white space or the end behind it; done is how many there were. *p moves behind it. */
+bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], uint64_t done, const char **p, double *value);
 
 /* Set the grid's voxels where samples are not 0 (-0 is 0, NaN is not); the grid is of the part of the file that is wanted.
  * Rows of bytes in x order are packed eight at a time; runs in parallel over slices. */
 bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, const bvx_window *part, bvx_grid *grid);
-/* The same from numbers in a text between begin and end, x fastest, one for each voxel of a file of these sides; white space
- * is between them. *stop becomes where the last one ends. Names the line and the number's place when one is missing. */
-bvx_status bvxi_pack_text(bvx_context *ctx, const char *format, const char *file, const char *begin, const char *end,
-                          const int32_t dims[3], const bvx_window *part, bvx_grid *grid, const char **stop);
 /* One row of voxels as bytes 0 and 1. */
 void bvxi_unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes);
 /* All rows of the grid, one behind the other; runs in parallel. */

@@ -38,9 +38,14 @@ static BVXI_COLD bvx_status nrrd_expected(const nrrd_head *h, const nrrd_value *
     return bvxi_fail_expected(&h->source, v->p, what);
 }
 
+bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, const char *at, const char *why)
+{
+    return bvxi_fail(h->source.ctx, BVX_ERR_UNSUPPORTED, "NRRD: line %u: %s", bvxi_source_line(&h->source, at), why);
+}
+
 static BVXI_COLD bvx_status nrrd_unsupported(const nrrd_head *h, const nrrd_value *v, const char *why)
 {
-    return bvxi_fail(h->source.ctx, BVX_ERR_UNSUPPORTED, "NRRD: line %u: %s", bvxi_source_line(&h->source, v->p), why);
+    return bvxi_nrrd_unsupported(h, v->p, why);
 }
 
 static bvx_status nrrd_take_end(const nrrd_head *h, nrrd_value *v)
@@ -132,20 +137,20 @@ static bvx_status nrrd_field_type(nrrd_head *h, nrrd_value *v)
         const char *name;
         int32_t kind;
     } known[] = {
-        {"signed char", BVXI_SAMPLE_I8}, {"int8", BVXI_SAMPLE_I8}, {"int8_t", BVXI_SAMPLE_I8},
-        {"uchar", BVXI_SAMPLE_U8}, {"unsigned char", BVXI_SAMPLE_U8}, {"uint8", BVXI_SAMPLE_U8}, {"uint8_t", BVXI_SAMPLE_U8},
-        {"short", BVXI_SAMPLE_I16}, {"short int", BVXI_SAMPLE_I16}, {"signed short", BVXI_SAMPLE_I16},
-        {"signed short int", BVXI_SAMPLE_I16}, {"int16", BVXI_SAMPLE_I16}, {"int16_t", BVXI_SAMPLE_I16},
-        {"ushort", BVXI_SAMPLE_U16}, {"unsigned short", BVXI_SAMPLE_U16}, {"unsigned short int", BVXI_SAMPLE_U16},
-        {"uint16", BVXI_SAMPLE_U16}, {"uint16_t", BVXI_SAMPLE_U16},
-        {"int", BVXI_SAMPLE_I32}, {"signed int", BVXI_SAMPLE_I32}, {"int32", BVXI_SAMPLE_I32}, {"int32_t", BVXI_SAMPLE_I32},
-        {"uint", BVXI_SAMPLE_U32}, {"unsigned int", BVXI_SAMPLE_U32}, {"uint32", BVXI_SAMPLE_U32}, {"uint32_t", BVXI_SAMPLE_U32},
-        {"longlong", BVXI_SAMPLE_I64}, {"long long", BVXI_SAMPLE_I64}, {"long long int", BVXI_SAMPLE_I64},
-        {"signed long long", BVXI_SAMPLE_I64}, {"signed long long int", BVXI_SAMPLE_I64}, {"int64", BVXI_SAMPLE_I64},
-        {"int64_t", BVXI_SAMPLE_I64},
-        {"ulonglong", BVXI_SAMPLE_U64}, {"unsigned long long", BVXI_SAMPLE_U64}, {"unsigned long long int", BVXI_SAMPLE_U64},
-        {"uint64", BVXI_SAMPLE_U64}, {"uint64_t", BVXI_SAMPLE_U64},
-        {"float", BVXI_SAMPLE_F32}, {"double", BVXI_SAMPLE_F64}};
+        {"signed char", BVX_SAMPLE_I8}, {"int8", BVX_SAMPLE_I8}, {"int8_t", BVX_SAMPLE_I8},
+        {"uchar", BVX_SAMPLE_U8}, {"unsigned char", BVX_SAMPLE_U8}, {"uint8", BVX_SAMPLE_U8}, {"uint8_t", BVX_SAMPLE_U8},
+        {"short", BVX_SAMPLE_I16}, {"short int", BVX_SAMPLE_I16}, {"signed short", BVX_SAMPLE_I16},
+        {"signed short int", BVX_SAMPLE_I16}, {"int16", BVX_SAMPLE_I16}, {"int16_t", BVX_SAMPLE_I16},
+        {"ushort", BVX_SAMPLE_U16}, {"unsigned short", BVX_SAMPLE_U16}, {"unsigned short int", BVX_SAMPLE_U16},
+        {"uint16", BVX_SAMPLE_U16}, {"uint16_t", BVX_SAMPLE_U16},
+        {"int", BVX_SAMPLE_I32}, {"signed int", BVX_SAMPLE_I32}, {"int32", BVX_SAMPLE_I32}, {"int32_t", BVX_SAMPLE_I32},
+        {"uint", BVX_SAMPLE_U32}, {"unsigned int", BVX_SAMPLE_U32}, {"uint32", BVX_SAMPLE_U32}, {"uint32_t", BVX_SAMPLE_U32},
+        {"longlong", BVX_SAMPLE_I64}, {"long long", BVX_SAMPLE_I64}, {"long long int", BVX_SAMPLE_I64},
+        {"signed long long", BVX_SAMPLE_I64}, {"signed long long int", BVX_SAMPLE_I64}, {"int64", BVX_SAMPLE_I64},
+        {"int64_t", BVX_SAMPLE_I64},
+        {"ulonglong", BVX_SAMPLE_U64}, {"unsigned long long", BVX_SAMPLE_U64}, {"unsigned long long int", BVX_SAMPLE_U64},
+        {"uint64", BVX_SAMPLE_U64}, {"uint64_t", BVX_SAMPLE_U64},
+        {"float", BVX_SAMPLE_F32}, {"double", BVX_SAMPLE_F64}};
     size_t const n = (size_t)(v->end - v->p);
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (nrrd_is(v->p, n, known[i].name)) h->kind = known[i].kind;
@@ -157,10 +162,11 @@ static bvx_status nrrd_field_encoding(nrrd_head *h, nrrd_value *v)
 {
     size_t const n = (size_t)(v->end - v->p);
     h->encoding = nrrd_is(v->p, n, "raw") ? NRRD_RAW
-                  : nrrd_is(v->p, n, "txt") || nrrd_is(v->p, n, "text") || nrrd_is(v->p, n, "ascii") ? NRRD_TEXT : NRRD_NONE;
+                  : nrrd_is(v->p, n, "txt") || nrrd_is(v->p, n, "text") || nrrd_is(v->p, n, "ascii") ? NRRD_TEXT
+                  : nrrd_is(v->p, n, "gzip") || nrrd_is(v->p, n, "gz") ? NRRD_GZIP : NRRD_NONE;
+    h->encoding_at = v->p;
     if (h->encoding != NRRD_NONE) return BVX_OK;
-    if (nrrd_is(v->p, n, "gzip") || nrrd_is(v->p, n, "gz") || nrrd_is(v->p, n, "bzip2") || nrrd_is(v->p, n, "bz2") ||
-        nrrd_is(v->p, n, "zrl") || nrrd_is(v->p, n, "hex"))
+    if (nrrd_is(v->p, n, "bzip2") || nrrd_is(v->p, n, "bz2") || nrrd_is(v->p, n, "zrl") || nrrd_is(v->p, n, "hex"))
         return nrrd_unsupported(h, v, "compressed or hex samples; save them with encoding raw (unu save -f nrrd -e raw)");
     return nrrd_expected(h, v, "an encoding (raw, ascii)");
 }
@@ -291,8 +297,10 @@ static bvx_status nrrd_field_byte_skip(nrrd_head *h, nrrd_value *v)
 
 static bvx_status nrrd_field_data_file(nrrd_head *h, nrrd_value *v)
 {
-    return nrrd_unsupported(h, v, "the samples are in another file; join head and samples in one .nrrd (unu save -f nrrd "
-                                  "-e raw)");
+    if (v->p == v->end) return nrrd_expected(h, v, "the name of a file");
+    h->files = v->p;
+    h->files_end = v->end;
+    return BVX_OK;
 }
 
 static const struct {
@@ -358,6 +366,13 @@ const char *bvxi_nrrd_line(const char *p, const char *file_end, const char **end
     return newline == file_end ? NULL : newline + 1;
 }
 
+/* "LIST", or "LIST 2": names of files on the lines that follow. */
+static int nrrd_is_list(const nrrd_head *h)
+{
+    size_t const n = (size_t)(h->files_end - h->files);
+    return n >= 4 && memcmp(h->files, "LIST", 4) == 0 && (n == 4 || bvxi_is_blank(h->files[4]));
+}
+
 static bvx_status nrrd_take_lines(nrrd_head *h)
 {
     const bvxi_source *const s = &h->source;
@@ -374,7 +389,12 @@ static bvx_status nrrd_take_lines(nrrd_head *h)
             return BVX_OK;
         }
         if (line != end) BVXI_TRY(nrrd_take_line(h, line, end));
+        if (h->files == NULL || h->list != NULL || !nrrd_is_list(h)) continue;
+        h->list = next != NULL ? next : s->end; /* the names end the file */
+        h->list_end = s->end;
+        return BVX_OK;
     }
+    if (h->files != NULL) return BVX_OK;
     return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "NRRD: the file ends in its head: no blank line with samples behind it");
 }
 
@@ -382,7 +402,7 @@ static bvx_status nrrd_check_head(const nrrd_head *h)
 {
     const char *const missing = !h->has_dimension ? "dimension" : h->kind == 0 ? "type" : h->encoding == NRRD_NONE ? "encoding"
                                 : !h->has_sizes ? "sizes"
-                                : h->encoding == NRRD_RAW && bvxi_sample_size(h->kind) > 1 && !h->has_endian ? "endian" : NULL;
+                                : h->encoding != NRRD_TEXT && bvxi_sample_size(h->kind) > 1 && !h->has_endian ? "endian" : NULL;
     if (missing != NULL) return bvxi_fail(h->source.ctx, BVX_ERR_FORMAT, "NRRD: the head has no field '%s'", missing);
     if (h->byte_skip < 0 && h->encoding != NRRD_RAW)
         return bvxi_fail(h->source.ctx, BVX_ERR_FORMAT, "NRRD: byte skip -1 is for encoding raw alone");

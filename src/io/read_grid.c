@@ -72,14 +72,23 @@ void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_
                  (int32_t)first, (int32_t)stop);
 }
 
+static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
+{
+    bvxi_dense dense;
+    memset(&dense, 0, sizeof dense);
+    BVXI_TRY(format == BVX_FORMAT_NPY ? bvxi_find_npy(source, &dense) : format == BVX_FORMAT_NRRD ? bvxi_find_nrrd(source, &dense)
+                                                                                                 : bvxi_find_vti(source, &dense));
+    return bvxi_read_dense_grid(source, &dense, grid);
+}
+
 static bvx_status read_grid_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
 {
     switch (format) {
-    case BVX_FORMAT_NPY: return bvxi_read_npy(source, grid);
+    case BVX_FORMAT_NPY:
+    case BVX_FORMAT_NRRD:
+    case BVX_FORMAT_VTI: return read_dense_as(source, format, grid);
     case BVX_FORMAT_BINVOX: return bvxi_read_binvox(source, grid);
     case BVX_FORMAT_VOX: return bvxi_read_vox(source, grid);
-    case BVX_FORMAT_NRRD: return bvxi_read_nrrd(source, grid);
-    case BVX_FORMAT_VTI: return bvxi_read_vti(source, grid);
     case BVX_FORMAT_BVX: return bvxi_read_bvx(source, grid);
     default:
         return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT,
@@ -104,6 +113,7 @@ bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size,
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
     source.window = window;
+    source.volume = NULL;
     made = *grid; /* brings the caller's words along */
     status = read_grid_as(&source, format, &made);
     if (status != BVX_OK) {

@@ -1,14 +1,13 @@
-/* read_npy.c - NumPy's .npy to a grid: an array of three axes [x,y,z], every number other than 0 is a voxel.
+/* read_npy.c - NumPy's .npy: where the samples of an array of three axes [x,y,z] stand.
  *
  * Source: numpy.lib.format, versions 1.0, 2.0 and 3.0. The head is a Python dictionary of exactly three keys, read by a
  * parser of that and nothing else: no code, no nesting. C order (z fastest) and Fortran order (x fastest) are both read.
- * Guarantee: the bytes behind the head are held against the shape before the grid is made. */
-#include "io/formats.h"
+ * Guarantee: the bytes behind the head are held against the shape before anything is made. */
 #include "io/grid_formats.h"
 
 typedef struct npy_head {
     uint64_t shape[3];
-    int32_t kind;        /* BVXI_SAMPLE_... */
+    int32_t kind;        /* BVX_SAMPLE_..., BVXI_SAMPLE_F16 */
     int32_t big, fortran;
     const uint8_t *data;
 } npy_head;
@@ -66,9 +65,9 @@ static bvx_status npy_take_type(npy_text *t, npy_head *h)
     static const struct {
         char name[3];
         int8_t kind;
-    } known[] = {{"b1", BVXI_SAMPLE_U8}, {"u1", BVXI_SAMPLE_U8}, {"i1", BVXI_SAMPLE_I8}, {"u2", BVXI_SAMPLE_U16},
-                 {"i2", BVXI_SAMPLE_I16}, {"u4", BVXI_SAMPLE_U32}, {"i4", BVXI_SAMPLE_I32}, {"u8", BVXI_SAMPLE_U64},
-                 {"i8", BVXI_SAMPLE_I64}, {"f2", BVXI_SAMPLE_F16}, {"f4", BVXI_SAMPLE_F32}, {"f8", BVXI_SAMPLE_F64}};
+    } known[] = {{"b1", BVX_SAMPLE_U8}, {"u1", BVX_SAMPLE_U8}, {"i1", BVX_SAMPLE_I8}, {"u2", BVX_SAMPLE_U16},
+                 {"i2", BVX_SAMPLE_I16}, {"u4", BVX_SAMPLE_U32}, {"i4", BVX_SAMPLE_I32}, {"u8", BVX_SAMPLE_U64},
+                 {"i8", BVX_SAMPLE_I64}, {"f2", BVXI_SAMPLE_F16}, {"f4", BVX_SAMPLE_F32}, {"f8", BVX_SAMPLE_F64}};
     const char *text;
     char shown[16];
     size_t n;
@@ -190,23 +189,21 @@ static bvx_status npy_check_size(const bvxi_grid_source *source, const npy_head 
                      h->shape[0], h->shape[1], h->shape[2], (uint64_t)bvxi_sample_size(h->kind), have);
 }
 
-bvx_status bvxi_read_npy(const bvxi_grid_source *source, bvx_grid *grid)
+bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)
 {
     static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
     npy_head h = {{0, 0, 0}, 0, 0, 0, NULL};
-    bvxi_samples samples;
-    bvx_lattice box;
-    bvx_window part;
     BVXI_TRY(npy_read_head(source, &h));
-    BVXI_TRY(bvxi_file_box(source->ctx, "NPY", zero, one, h.shape, &box));
+    BVXI_TRY(bvxi_file_box(source->ctx, "NPY", zero, one, h.shape, &dense->box));
     BVXI_TRY(npy_check_size(source, &h));
-    uint64_t const size = bvxi_sample_size(h.kind);
-    samples.first = h.data;
-    samples.kind = h.kind;
-    samples.big = h.big;
-    samples.stride[0] = h.fortran ? size : size * h.shape[1] * h.shape[2];
-    samples.stride[1] = h.fortran ? size * h.shape[0] : size * h.shape[2];
-    samples.stride[2] = h.fortran ? size * h.shape[0] * h.shape[1] : size;
-    BVXI_TRY(bvxi_open_file_grid(source, "NPY", &box, NULL, &part, grid));
-    return bvxi_pack_samples(source->ctx, &samples, &part, grid);
+    int64_t const size = (int64_t)bvxi_sample_size(h.kind), nx = (int64_t)h.shape[0], ny = (int64_t)h.shape[1], nz = (int64_t)h.shape[2];
+    dense->format = "NPY";
+    dense->size = (uint64_t)(source->end - h.data);
+    dense->samples.first = h.data;
+    dense->samples.kind = h.kind;
+    dense->samples.big = h.big;
+    dense->samples.stride[0] = h.fortran ? size : size * ny * nz;
+    dense->samples.stride[1] = h.fortran ? size * nx : size * nz;
+    dense->samples.stride[2] = h.fortran ? size * nx * ny : size;
+    return BVX_OK;
 }

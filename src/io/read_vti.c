@@ -1,10 +1,9 @@
-/* read_vti.c - VTK's XML image data to a grid: every value other than 0 of one array is a voxel.
+/* read_vti.c - VTK's XML image data: where the samples of one array stand.
  *
  * Source: VTK File Formats (docs.vtk.org), versions 0.1, 1.0 and 2.x, without compression. Of several arrays the one that
  * is the active scalars is read, of cells before points; where none is active, the first with one number each.
  * Cells are voxels. Points are voxels' centres, so there is one more along each axis and the corner is half a voxel lower.
- * Guarantee: counts are held against the file's bytes before the grid or any copy is made. */
-#include "io/base64.h"
+ * Guarantee: counts are held against the file's bytes before anything is made. */
 #include "io/grid_formats.h"
 #include "io/xml_scan.h"
 
@@ -134,9 +133,9 @@ static int32_t vti_kind_of(bvxi_xml_text type)
     static const struct {
         const char *name;
         int32_t kind;
-    } known[] = {{"UInt8", BVXI_SAMPLE_U8}, {"Int8", BVXI_SAMPLE_I8}, {"UInt16", BVXI_SAMPLE_U16}, {"Int16", BVXI_SAMPLE_I16},
-                 {"UInt32", BVXI_SAMPLE_U32}, {"Int32", BVXI_SAMPLE_I32}, {"UInt64", BVXI_SAMPLE_U64},
-                 {"Int64", BVXI_SAMPLE_I64}, {"Float32", BVXI_SAMPLE_F32}, {"Float64", BVXI_SAMPLE_F64}};
+    } known[] = {{"UInt8", BVX_SAMPLE_U8}, {"Int8", BVX_SAMPLE_I8}, {"UInt16", BVX_SAMPLE_U16}, {"Int16", BVX_SAMPLE_I16},
+                 {"UInt32", BVX_SAMPLE_U32}, {"Int32", BVX_SAMPLE_I32}, {"UInt64", BVX_SAMPLE_U64},
+                 {"Int64", BVX_SAMPLE_I64}, {"Float32", BVX_SAMPLE_F32}, {"Float64", BVX_SAMPLE_F64}};
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (bvxi_xml_is(type, known[i].name)) return known[i].kind;
     return 0;
@@ -234,19 +233,15 @@ static const char *vti_text_end(const vti_file *f, const char *p)
     return bvxi_find_byte(p, f->xml.source.end, '<');
 }
 
-static bvx_status vti_read_ascii(const bvxi_grid_source *source, const vti_file *f, uint64_t voxels, const bvx_lattice *box,
-                                 bvx_grid *grid)
+static bvx_status vti_find_ascii(const vti_file *f, uint64_t voxels, bvxi_dense *d)
 {
-    const char *const end = vti_text_end(f, f->array.text);
-    const char *stop;
-    bvx_window part;
-    if ((uint64_t)(end - f->array.text) / 2 + 1 < voxels) /* a digit and a space each, none behind the last */
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "VTI: line %u: %u values in %u bytes of text",
-                         bvxi_source_line(&f->xml.source, f->array.tag), voxels, (uint64_t)(end - f->array.text));
-    BVXI_TRY(bvxi_open_file_grid(source, "VTI", box, NULL, &part, grid));
-    BVXI_TRY(bvxi_pack_text(source->ctx, "VTI", f->xml.source.begin, f->array.text, end, box->dims, &part, grid, &stop));
-    stop = bvxi_skip_space(stop, end);
-    return stop == end ? BVX_OK : bvxi_fail_expected(&f->xml.source, stop, "the end of the array");
+    d->begin = f->array.text;
+    d->end = d->source.end = vti_text_end(f, f->array.text);
+    d->encoding = BVXI_DENSE_TEXT;
+    d->behind = "the end of the array";
+    if ((uint64_t)(d->end - d->begin) / 2 + 1 >= voxels) return BVX_OK; /* a digit and a space each, none behind the last */
+    return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT, "VTI: line %u: %u values in %u bytes of text",
+                     bvxi_source_line(&f->xml.source, f->array.tag), voxels, (uint64_t)(d->end - d->begin));
 }
 
 static bvx_status vti_check_length(const vti_file *f, const uint8_t *length, uint64_t size)
@@ -259,59 +254,35 @@ static bvx_status vti_check_length(const vti_file *f, const uint8_t *length, uin
 
 static BVXI_COLD bvx_status vti_fail_short(const vti_file *f, uint64_t size, const char *at)
 {
-    return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT, "VTI: line %u: the array's %u bytes are not all there (byte %u)",
-                     bvxi_source_line(&f->xml.source, f->array.tag), size, bvxi_source_byte(&f->xml.source, at));
+    return bvxi_fail_short_array(&f->xml.source, f->array.tag, size, at);
 }
 
-static bvx_status vti_pack(const bvxi_grid_source *source, const vti_file *f, const uint8_t *first, const bvx_lattice *box,
-                           bvx_grid *grid)
-{
-    uint64_t const size = bvxi_sample_size(f->array.kind);
-    bvxi_samples samples;
-    bvx_window part;
-    samples.first = first;
-    samples.kind = f->array.kind;
-    samples.big = f->big;
-    samples.stride[0] = size;
-    samples.stride[1] = size * (uint64_t)box->dims[0];
-    samples.stride[2] = size * (uint64_t)box->dims[0] * (uint64_t)box->dims[1];
-    BVXI_TRY(bvxi_open_file_grid(source, "VTI", box, NULL, &part, grid));
-    return bvxi_pack_samples(source->ctx, &samples, &part, grid);
-}
-
-static bvx_status vti_read_raw(const bvxi_grid_source *source, const vti_file *f, const char *p, uint64_t size,
-                               const bvx_lattice *box, bvx_grid *grid)
+static bvx_status vti_find_raw(const vti_file *f, const char *p, bvxi_dense *d)
 {
     uint64_t const have = (uint64_t)(f->xml.source.end - p), head = (uint64_t)f->header_size;
-    if (have < head) return vti_fail_short(f, size, f->xml.source.end);
-    BVXI_TRY(vti_check_length(f, (const uint8_t *)p, size));
-    if (have - head < size) return vti_fail_short(f, size, f->xml.source.end);
-    return vti_pack(source, f, (const uint8_t *)p + head, box, grid);
+    if (have < head) return vti_fail_short(f, d->size, f->xml.source.end);
+    BVXI_TRY(vti_check_length(f, (const uint8_t *)p, d->size));
+    if (have - head < d->size) return vti_fail_short(f, d->size, f->xml.source.end);
+    d->samples.first = (const uint8_t *)p + head;
+    return BVX_OK;
 }
 
-static bvx_status vti_read_base64(const bvxi_grid_source *source, const vti_file *f, const char *p, int is_inline,
-                                  uint64_t size, const bvx_lattice *box, bvx_grid *grid)
+static bvx_status vti_find_base64(const vti_file *f, const char *p, int is_inline, bvxi_dense *d)
 {
-    uint8_t length[8], *bytes = NULL;
-    bvx_status status = BVX_OK;
-    bvxi_base64 b;
-    bvxi_base64_start(&b, p, vti_text_end(f, p));
-    if (!bvxi_base64_take(&b, length, (uint64_t)f->header_size)) return vti_fail_short(f, size, b.p);
-    BVXI_TRY(vti_check_length(f, length, size));
-    if (size / 3 > (uint64_t)(b.end - b.p) / 4 + 1) return vti_fail_short(f, size, b.end);
-    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, size, "the decoded array", &bytes));
-    if (!bvxi_base64_take(&b, bytes, size)) status = vti_fail_short(f, size, b.p);
-    else if (is_inline && (b.held_count != 0 || bvxi_skip_space(b.p, b.end) != b.end))
-        status = bvxi_fail_expected(&f->xml.source, b.p, "the end of the array");
-    if (status == BVX_OK) status = vti_pack(source, f, bytes, box, grid);
-    bvxi_free(source->ctx, bytes, size);
-    return status;
+    uint8_t length[8];
+    bvxi_base64_start(&d->base64, p, vti_text_end(f, p));
+    if (!bvxi_base64_take(&d->base64, length, (uint64_t)f->header_size)) return vti_fail_short(f, d->size, d->base64.p);
+    BVXI_TRY(vti_check_length(f, length, d->size));
+    if (d->size / 3 > (uint64_t)(d->base64.end - d->base64.p) / 4 + 1) return vti_fail_short(f, d->size, d->base64.end);
+    d->encoding = BVXI_DENSE_BASE64;
+    d->behind = is_inline ? "the end of the array" : NULL;
+    d->array = f->array.tag;
+    return BVX_OK;
 }
 
-bvx_status bvxi_read_vti(const bvxi_grid_source *source, bvx_grid *grid)
+bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
 {
     vti_file f;
-    bvx_lattice box;
     double corner[3];
     uint64_t dims[3], voxels = 1;
     int fits = 1;
@@ -325,13 +296,20 @@ bvx_status bvxi_read_vti(const bvxi_grid_source *source, bvx_grid *grid)
         corner[a] = f.origin[a] + ((double)first - (is_point ? 0.5 : 0.0)) * f.spacing[a];
         voxels = bvxi_mul(voxels, dims[a], &fits);
     }
-    BVXI_TRY(bvxi_file_box(source->ctx, "VTI", corner, f.spacing, dims, &box));
-    uint64_t const size = bvxi_mul(voxels, bvxi_sample_size(f.array.kind), &fits);
-    if (!fits) return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "VTI: the piece's extent holds more than any file does");
-    if (f.array.format == VTI_ASCII) return vti_read_ascii(source, &f, voxels, &box, grid);
-    if (f.array.format == VTI_BINARY) return vti_read_base64(source, &f, f.array.text, 1, size, &box, grid);
-    if (f.array.offset > (uint64_t)(f.xml.source.end - f.appended)) return vti_fail_short(&f, size, f.xml.source.end);
+    BVXI_TRY(bvxi_file_box(source->ctx, "VTI", corner, f.spacing, dims, &dense->box));
+    uint64_t const sample = bvxi_sample_size(f.array.kind);
+    dense->size = bvxi_mul(voxels, sample, &fits);
+    if (!fits || dense->size > INT64_MAX)
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "VTI: the piece's extent holds more than any file does");
+    dense->format = "VTI";
+    dense->placed = 1;
+    dense->source = f.xml.source;
+    dense->samples.kind = f.array.kind;
+    dense->samples.big = f.big;
+    bvxi_pack_strides(&dense->samples, &dense->box);
+    if (f.array.format == VTI_ASCII) return vti_find_ascii(&f, voxels, dense);
+    if (f.array.format == VTI_BINARY) return vti_find_base64(&f, f.array.text, 1, dense);
+    if (f.array.offset > (uint64_t)(f.xml.source.end - f.appended)) return vti_fail_short(&f, dense->size, f.xml.source.end);
     const char *const data = f.appended + f.array.offset;
-    return f.appended_base64 ? vti_read_base64(source, &f, data, 0, size, &box, grid)
-                             : vti_read_raw(source, &f, data, size, &box, grid);
+    return f.appended_base64 ? vti_find_base64(&f, data, 0, dense) : vti_find_raw(&f, data, dense);
 }

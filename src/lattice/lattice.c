@@ -66,21 +66,27 @@ int bvxi_lattice_equal(const bvx_lattice *a, const bvx_lattice *b)
     return a->fraction_bits == b->fraction_bits;
 }
 
-bvx_status bvx_lattice_make(bvx_context *context, const double origin[3], const double spacing[3],
-                            const int32_t dims[3], bvx_lattice *lattice)
+bvx_status bvxi_lattice_build(bvx_context *ctx, const char *function, const double origin[3], const double spacing[3],
+                              const int32_t dims[3], bvx_lattice *lattice)
 {
     bvx_lattice made = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, BVXI_MIN_FRACTION};
     int32_t longest = 1;
-    if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (origin == NULL || spacing == NULL || dims == NULL || lattice == NULL)
-        return bvxi_fail_null(context, "bvx_lattice_make", "an argument");
     memcpy(made.origin, origin, sizeof made.origin);
     memcpy(made.spacing, spacing, sizeof made.spacing);
     memcpy(made.dims, dims, sizeof made.dims);
     for (int32_t a = 0; a < 3; a++)
         if (dims[a] > longest) longest = dims[a];
     if (longest <= BVXI_MAX_SIDE) made.fraction_bits = bvxi_fraction_bits(longest);
-    BVXI_TRY(bvxi_lattice_check(context, "bvx_lattice_make", &made));
+    BVXI_TRY(bvxi_lattice_check(ctx, function, &made));
     *lattice = made;
     return BVX_OK;
+}
+
+bvx_status bvx_lattice_make(bvx_context *context, const double origin[3], const double spacing[3],
+                            const int32_t dims[3], bvx_lattice *lattice)
+{
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (origin == NULL || spacing == NULL || dims == NULL || lattice == NULL)
+        return bvxi_fail_null(context, "bvx_lattice_make", "an argument");
+    return bvxi_lattice_build(context, "bvx_lattice_make", origin, spacing, dims, lattice);
 }

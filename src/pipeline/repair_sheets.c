@@ -3,6 +3,8 @@
  * A piece is a sheet when a lid over its holes would be nearly as large as itself (terrain: a lid of 0.7 of its area or more), or when
  * the solid has no voxel close behind most of its area, on either side: walls thinner than a voxel, surfaces that lie in
  * themselves. The lid is measured by the vector area of each loop of open edges, which no way of closing it can fall below.
+ * A piece of large lid is no sheet where the pieces together enclose something (repair_enclosed.c): a face of a part whose faces
+ * do not touch. A lid over all of these must be small in its turn, and they must enclose it without what are sheets.
  * A shell is what lies within half its thickness of the sheets: closed for any sheet.
  * Guarantee: sums go by triangle, so the answer follows from the mesh and the lattice alone. */
 #include "field/nearest.h"
@@ -14,10 +16,13 @@
 
 #define SHEET_LID 0.7  /* of a piece's area */
 #define SHEET_KEPT 0.5 /* of a piece's area */
+#define SHEET_JOINED 0.5 /* of a piece's area is enclosed by all */
+
+enum { SHEET_ROUNDS = 8 };
 
 /* What a piece is like, by its least vertex. */
 typedef struct piece_sums {
-    double area, kept, lid;
+    double area, kept, lid, joined;
     uint64_t triangles;
 } piece_sums;
 
@@ -125,19 +130,37 @@ static bvx_status sum_lids(bvxi_repair_job *job, piece_sums *sums)
     return BVX_OK;
 }
 
-static int is_sheet(const piece_sums *s)
+/* By its own lid. */
+static int is_open_piece(const piece_sums *s)
 {
-    return s->area > 0 && (s->lid >= SHEET_LID * s->area || s->kept < SHEET_KEPT * s->area);
+    return s->lid >= SHEET_LID * s->area && s->kept >= SHEET_KEPT * s->area;
 }
 
-/* Triangles of bodies first, those of sheets last; pieces without area are left out. */
-static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums, uint64_t sheet_triangles)
+static int is_joined(const piece_sums *s)
 {
-    uint64_t const sheets = job->mesh.triangle_count - sheet_triangles;
-    uint64_t next[2] = {0, sheets};
+    return is_open_piece(s) && s->joined > SHEET_JOINED * s->area;
+}
+
+static int is_sheet(const piece_sums *s)
+{
+    return s->area > 0 && !is_joined(s) && (s->lid >= SHEET_LID * s->area || s->kept < SHEET_KEPT * s->area);
+}
+
+/* Triangles of bodies first, those of sheets last; pieces without area are left out. Without sheets the body is the mesh. */
+static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums)
+{
+    uint64_t sheet_triangles = 0, next[2];
     uint32_t c[3];
+    for (uint64_t v = 0; v < job->given->vertex_count; v++)
+        if (is_sheet(&sums[v])) sheet_triangles += sums[v].triangles;
+    job->body = job->mesh;
+    memset(&job->sheets, 0, sizeof job->sheets);
+    if (sheet_triangles == 0) return BVX_OK;
+    next[0] = 0;
+    next[1] = job->mesh.triangle_count - sheet_triangles;
     if (job->parted == NULL)
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->mesh.triangle_count * 12, "the triangles of sheets", &job->parted));
+    bvxi_repair_view(job, job->parted + 3 * next[1], sheet_triangles, &job->sheets);
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         const piece_sums *piece;
         bvxi_view_triangle(&job->mesh, t, c);
@@ -145,14 +168,83 @@ static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums, uint
         if (piece->area > 0) memcpy(job->parted + 3 * next[is_sheet(piece)]++, c, sizeof c);
     }
     bvxi_repair_view(job, job->parted, next[0], &job->body);
-    bvxi_repair_view(job, job->parted + 3 * sheets, sheet_triangles, &job->sheets);
     return BVX_OK;
+}
+
+/* ---- Open pieces that make a body together ---- */
+
+/* The triangles of open pieces are to be asked. Returns how many. */
+static uint64_t ask_open_pieces(const bvxi_repair_job *job, const piece_sums *sums, uint8_t *answer)
+{
+    uint64_t count = 0;
+    uint32_t c[3];
+    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
+        bvxi_view_triangle(&job->mesh, t, c);
+        answer[t] = is_open_piece(&sums[job->piece[c[0]]]) ? BVXI_TRIANGLE_ASKED : 0;
+        count += answer[t] != 0;
+    }
+    return count;
+}
+
+static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, piece_sums *sums)
+{
+    double p[3][3], n[3];
+    uint32_t c[3];
+    for (uint64_t v = 0; v < job->given->vertex_count; v++) sums[v].joined = 0;
+    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
+        if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
+        corners_of_triangle(&job->mesh, t, c, p);
+        cross_of_triangle((const double(*)[3])p, n);
+        sums[job->piece[c[0]]].joined += 0.5 * vector_length(n);
+    }
+}
+
+/* The triangles of joined pieces are to be asked again; none where a lid over all of them would be large. Returns how many. */
+static uint64_t ask_joined_pieces(const bvxi_repair_job *job, piece_sums *sums, uint8_t *answer)
+{
+    double all[3] = {0, 0, 0}, area = 0, p[3][3], n[3];
+    uint64_t count = 0;
+    uint32_t c[3];
+    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
+        if (answer[t] == 0) continue;
+        corners_of_triangle(&job->mesh, t, c, p);
+        answer[t] = is_joined(&sums[job->piece[c[0]]]) ? BVXI_TRIANGLE_ASKED : 0;
+        if (answer[t] == 0) continue;
+        cross_of_triangle((const double(*)[3])p, n);
+        for (int a = 0; a < 3; a++) all[a] += 0.5 * n[a];
+        area += 0.5 * vector_length(n);
+        count++;
+    }
+    if (vector_length(all) < SHEET_LID * area) return count;
+    for (uint64_t v = 0; v < job->given->vertex_count; v++) sums[v].joined = 0;
+    return 0;
+}
+
+/* Asked by all, then by what is left without those that turned out as sheets, until no more do. */
+static bvx_status join_open_pieces(bvxi_repair_job *job, piece_sums *sums)
+{
+    uint64_t const bytes = job->mesh.triangle_count;
+    uint64_t asked, before = 0;
+    uint8_t *answer;
+    bvx_status status = BVX_OK;
+    if (job->fill == BVX_FILL_PARITY) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the open triangles", &answer));
+    asked = ask_open_pieces(job, sums, answer);
+    for (int round = 0; status == BVX_OK && asked != 0 && asked != before; round++) {
+        before = asked;
+        if (round > 0) status = list_parted(job, sums);
+        if (status == BVX_OK) status = bvxi_repair_enclosed(job, answer);
+        if (status != BVX_OK) break;
+        sum_joined(job, round < SHEET_ROUNDS ? answer : memset(answer, 0, (size_t)bytes), sums);
+        asked = ask_joined_pieces(job, sums, answer);
+    }
+    bvxi_free(job->ctx, answer, bytes);
+    return status;
 }
 
 bvx_status bvxi_repair_part(bvxi_repair_job *job)
 {
     uint64_t const bytes = job->given->vertex_count * sizeof(piece_sums);
-    uint64_t sheet_triangles = 0;
     piece_sums *sums;
     bvx_status status;
     job->body = job->mesh;
@@ -161,12 +253,11 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the pieces' areas", &sums));
     sum_areas(job, sums);
     status = sum_lids(job, sums);
-    for (uint64_t v = 0; v < job->given->vertex_count && status == BVX_OK; v++)
-        if (is_sheet(&sums[v])) sheet_triangles += sums[v].triangles;
-    if (status == BVX_OK && sheet_triangles != 0) status = list_parted(job, sums, sheet_triangles);
+    if (status == BVX_OK) status = join_open_pieces(job, sums);
+    if (status == BVX_OK) status = list_parted(job, sums);
     bvxi_free(job->ctx, sums, bytes);
-    job->report.shelled_triangles = sheet_triangles;
-    job->report.shelled = sheet_triangles != 0;
+    job->report.shelled_triangles = job->sheets.triangle_count;
+    job->report.shelled = job->sheets.triangle_count != 0;
     return status;
 }
 

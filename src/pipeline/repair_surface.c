@@ -4,6 +4,7 @@
  * surface and the shell's: the union of both. Edges that no triangle comes near are crossed by a lid over a hole, and the winding
  * number says where. */
 #include "field/nearest.h"
+#include "pipeline/ends.h"
 #include "pipeline/repair.h"
 #include "surface/field_surface.h"
 
@@ -18,48 +19,6 @@ typedef struct repair_values {
     uint32_t *triangles;  /* sharp: of job->given's order of job->body */
     uint64_t rows, count;
 } repair_values;
-
-/* ---- Ends of crossed edges ---- */
-
-static void mark_differences(uint64_t *where, const uint64_t *inside, size_t words, size_t step)
-{
-    for (size_t i = 0; i + step < words; i++) {
-        uint64_t const d = inside[i] ^ inside[i + step];
-        where[i] |= d;
-        where[i + step] |= d;
-    }
-}
-
-/* Centres with a neighbour on the other side; the window's sides count as outside. */
-static void mark_row_ends(const bvx_grid *g, const uint64_t *row, uint64_t *where)
-{
-    for (int32_t k = 0; k < g->words_per_row; k++) {
-        uint64_t const before = row[k] << 1 | (k > 0 ? row[k - 1] >> 63 : 0);
-        uint64_t const behind = row[k] >> 1 | (k + 1 < g->words_per_row ? row[k + 1] << 63 : 0);
-        where[k] |= (row[k] ^ before) | (row[k] ^ behind);
-    }
-    where[g->words_per_row - 1] &= bvxi_tail_mask(g->size[0]);
-}
-
-static void mark_ends(const bvx_grid *inside, bvx_grid *where)
-{
-    size_t const row = (size_t)inside->words_per_row, slice = row * (size_t)inside->size[1], all = slice * (size_t)inside->size[2];
-    memset(where->words, 0, all * 8);
-    for (size_t z = 0; z < (size_t)inside->size[2]; z++) mark_differences(where->words + z * slice, inside->words + z * slice, slice, row);
-    mark_differences(where->words, inside->words, all, slice);
-    for (size_t r = 0; r < all / row; r++) mark_row_ends(inside, inside->words + r * row, where->words + r * row);
-}
-
-static void count_rows(repair_values *v)
-{
-    size_t const words = (size_t)v->where.words_per_row;
-    v->count = 0;
-    for (uint64_t r = 0; r < v->rows; r++) {
-        v->first[r] = v->count;
-        for (size_t k = 0; k < words; k++) v->count += bvxi_popcount(v->where.words[(size_t)r * words + k]);
-    }
-    v->first[v->rows] = v->count;
-}
 
 /* ---- Closest points ---- */
 
@@ -140,9 +99,9 @@ static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
     v->where.words = NULL;
     v->rows = bvxi_grid_rows(&job->inside);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->grid_bytes, "the centres that are measured", &v->where.words));
-    mark_ends(&job->inside, &v->where);
+    BVXI_TRY(bvxi_ends_mark(ctx, &job->inside, NULL, &v->where));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (v->rows + 1) * 8, "their rows", &v->first));
-    count_rows(v);
+    v->count = bvxi_ends_number(&v->where, v->first);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 24, "their vectors", &v->vectors));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 8, "their distances", &v->distances));
     if (job->options->sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "their triangles", &v->triangles));

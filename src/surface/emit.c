@@ -3,6 +3,7 @@
  * Cells without a crossing change no counter, so eight counters that step only at active cells number the vertices as a
  * walk along the row meets them: no popcount, no look-up of neighbours. The case gives for each triangle corner its
  * counter and whether it is the next crossing (tables.h). */
+#include "grid/volume.h"
 #include "surface/cells.h"
 
 /* ---- positions ---- */
@@ -33,6 +34,36 @@ static void emit_ratios(const bvxi_march *m, int32_t axis, int32_t j, int32_t k,
     for (uint32_t n = 0; n < list->count; n++) {
         int32_t const i = first * 64 + list->at[n] - (axis == 0);
         bvxi_put_crossing(m, vertex + n, axis, i, j, k, bvxi_keep_off_ends(m->ratio(m->ratio_user, axis, i, j, k)));
+    }
+}
+
+/* Where the straight line from a to b meets the level; the middle where one of them is NaN or infinite. Halves, so that no
+ * difference of finite doubles overflows; (a - a) + (b - b) is 0 for finite ones alone. */
+BVXI_VECTOR_INLINE double cut_of_level(double level, double a, double b)
+{
+    double const t = (0.5 * level - 0.5 * a) / (0.5 * b - 0.5 * a);
+    return (a - a) + (b - b) == 0.0 && t >= 0.0 && t <= 1.0 ? bvxi_keep_off_ends(t) : 0.5;
+}
+
+/* The same where samples tell; the middle also where an end lies outside the window. */
+BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, const bvxi_cell_list *list,
+                                    int32_t first, uint64_t vertex)
+{
+    const bvxi_level_samples *const s = m->level;
+    const int32_t *const size = m->grid->size;
+    int64_t const step = s->stride[axis], row = (int64_t)j * s->stride[1] + (int64_t)k * s->stride[2];
+    double const y = bvxi_place_along(m, 1, j, 0.0), z = bvxi_place_along(m, 2, k, 0.0);
+    int const row_known = j >= 0 && k >= 0 && (axis != 1 || j + 1 < size[1]) && (axis != 2 || k + 1 < size[2]);
+    int32_t const x_end = size[0] - (axis == 0); /* low ends from 0 to here have both ends in the window */
+    for (uint32_t n = 0; n < list->count; n++) {
+        int32_t const i = first * 64 + list->at[n] - (axis == 0);
+        double t = 0.5;
+        if (row_known && i >= 0 && i < x_end) {
+            const uint8_t *const p = s->samples + (ptrdiff_t)(row + (int64_t)i * s->stride[0]);
+            t = cut_of_level(s->level, bvxi_sample_value(p, s->type), bvxi_sample_value(p + (ptrdiff_t)step, s->type));
+        }
+        bvxi_put_position(m, vertex + n, bvxi_place_along(m, 0, i, axis == 0 ? t : 0.0),
+                          axis == 1 ? bvxi_place_along(m, 1, j, t) : y, axis == 2 ? bvxi_place_along(m, 2, k, t) : z);
     }
 }
 
@@ -147,7 +178,8 @@ BVXI_VECTOR_INLINE void emit_slot(const bvxi_march *m, uint64_t slot, const uint
     for (int32_t first = 0; first < m->edge_words; first += BVXI_CELL_BLOCK) {
         load_block(m, row, has, first, &b, fast);
         for (int32_t axis = 0; axis < 3; axis++) {
-            if (m->ratio == NULL) emit_middles(m, axis, j, k, &b.edge[axis], first, vertex[axis]);
+            if (m->level != NULL) emit_levels(m, axis, j, k, &b.edge[axis], first, vertex[axis]);
+            else if (m->ratio == NULL) emit_middles(m, axis, j, k, &b.edge[axis], first, vertex[axis]);
             else emit_ratios(m, axis, j, k, &b.edge[axis], first, vertex[axis]);
             vertex[axis] += b.edge[axis].count;
         }

@@ -35,24 +35,24 @@ static double facet_distance2(const double a[3], const double b[3])
 
 /* ---- the edge and its triangles ---- */
 
-static void load_facet(const bvxi_cuts *c, facet_edge *f, int32_t end, uint32_t triangle, const double centre[3])
+static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge *f, int32_t end, uint32_t triangle, const double centre[3])
 {
     double const scale = 1.0 / c->unit;
     uint32_t corner[3];
-    bvxi_view_triangle(c->values->mesh, triangle, corner);
+    bvxi_view_triangle(mesh, triangle, corner);
     for (int32_t k = 0; k < 3; k++) {
-        bvxi_view_position(c->values->mesh, corner[k], f->corners[end][k]);
+        bvxi_view_position(mesh, corner[k], f->corners[end][k]);
         for (int32_t a = 0; a < 3; a++) f->corners[end][k][a] = (f->corners[end][k][a] - centre[a]) * scale;
     }
     f->size[end] = bvxi_facet_normal((const double(*)[3])f->corners[end], f->normal[end]);
     if (f->size[end] - f->size[end] != 0.0) f->size[end] = 0.0;
 }
 
-static void open_facet_edge(const bvxi_cuts *c, const bvxi_cut_edge *e, uint64_t low, uint64_t high, const double centre[3],
-                            facet_edge *f)
+static void open_facet_edge(const bvxi_cuts *c, const bvxi_edge_values *v, const bvxi_cut_edge *e, uint64_t low, uint64_t high,
+                            const double centre[3], facet_edge *f)
 {
     double const scale = 1.0 / c->unit;
-    const uint32_t *const triangles = c->values->mesh != NULL ? c->values->triangles : NULL;
+    const uint32_t *const triangles = v->mesh != NULL ? v->triangles : NULL;
     f->axis = e->axis;
     f->length = e->length * scale;
     f->along = e->high_inside ? -1.0 : 1.0;
@@ -64,8 +64,8 @@ static void open_facet_edge(const bvxi_cuts *c, const bvxi_cut_edge *e, uint64_t
     }
     f->size[0] = f->size[1] = 0.0;
     if (triangles == NULL) return;
-    load_facet(c, f, 0, triangles[(size_t)low], centre);
-    if (triangles[(size_t)low] != triangles[(size_t)high] || f->size[0] == 0.0) load_facet(c, f, 1, triangles[(size_t)high], centre);
+    load_facet(c, v->mesh, f, 0, triangles[(size_t)low], centre);
+    if (triangles[(size_t)low] != triangles[(size_t)high] || f->size[0] == 0.0) load_facet(c, v->mesh, f, 1, triangles[(size_t)high], centre);
 }
 
 static void point_of_edge(const facet_edge *f, double ratio, double p[3])
@@ -183,12 +183,12 @@ static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_fac
     }
 }
 
-double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_cut_edge *edge, uint64_t low, uint64_t high, const double centre[3],
-                      double ratio, bvxi_facet_plane planes[2])
+double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_edge_values *values, const bvxi_cut_edge *edge, uint64_t low, uint64_t high,
+                      const double centre[3], double ratio, bvxi_facet_plane planes[2])
 {
     facet_edge f;
     double cut[3];
-    open_facet_edge(cuts, edge, low, high, centre, &f);
+    open_facet_edge(cuts, values, edge, low, high, centre, &f);
     if (cuts->interpolation != BVX_EDGE_MIDDLE) ratio = cut_facets(&f, ratio);
     ratio = bvxi_keep_off_ends(ratio);
     point_of_edge(&f, ratio, cut);

@@ -2,7 +2,8 @@
  *
  * Rows of vertices are walked as marching cubes numbered them, and the values of the two or three rows of centres beside
  * them are numbered on the way: a popcount a word, no search for any edge. What a vertex gets depends on the values at the
- * ends of its own edge alone. */
+ * ends of its own edge alone. Where the surface is that of two bodies together, each has values of its own, and an edge is cut by
+ * the one whose side changes on it. */
 #include "surface/cells.h"
 #include "surface/edge_vector.h"
 #include "surface/field_surface.h"
@@ -19,7 +20,8 @@ typedef struct value_row {
 
 typedef struct cut_walk {
     const bvxi_cuts *cuts;
-    value_row row[3]; /* (j, k), (j+1, k), (j, k+1) */
+    value_row row[2][3]; /* of each body: (j, k), (j+1, k), (j, k+1) */
+    int32_t bodies;
     int32_t j, k, w;
     uint64_t count[BVXI_CUT_KINDS];
     bvxi_missing_edge missing[BVXI_MISSING_MOST]; /* asked together */
@@ -27,14 +29,14 @@ typedef struct cut_walk {
     int32_t missing_count;
 } cut_walk;
 
-static value_row start_value_row(const bvxi_cuts *c, int32_t j, int32_t k)
+static value_row start_value_row(const bvxi_cuts *c, const bvxi_edge_values *v, int32_t j, int32_t k)
 {
-    const bvx_grid *const g = c->values->where;
+    const bvx_grid *const g = v->where;
     value_row r = {NULL, 0};
     if ((c->interpolation != BVX_EDGE_MIDDLE || c->planes != NULL) && j >= 0 && k >= 0 && j < g->size[1] && k < g->size[2]) {
         uint64_t const n = (uint64_t)k * (uint64_t)g->size[1] + (uint64_t)j;
         r.words = g->words + n * (uint64_t)g->words_per_row;
-        r.next = c->values->row_values[n];
+        r.next = v->row_values[n];
     }
     return r;
 }
@@ -75,15 +77,29 @@ static int is_inside(const bvxi_march *m, int32_t i, int32_t j, int32_t k)
     return (int)(bvxi_march_row(m, j, k)[i >> 6] >> (i & 63) & 1);
 }
 
+/* Whether the ends of the edge from centre (i, j, k) along axis differ in a body; beyond the window is outside. */
+static int changes_side(const bvx_grid *inside, int32_t axis, int32_t i, int32_t j, int32_t k)
+{
+    int32_t const end[2][3] = {{i, j, k}, {i + (axis == 0), j + (axis == 1), k + (axis == 2)}};
+    int side[2] = {0, 0};
+    for (int32_t e = 0; e < 2; e++) {
+        const int32_t *const at = end[e];
+        if (at[0] < 0 || at[1] < 0 || at[2] < 0 || at[0] >= inside->size[0] || at[1] >= inside->size[1] || at[2] >= inside->size[2]) continue;
+        side[e] = bvx_grid_get(inside, at[0], at[1], at[2]);
+    }
+    return side[0] != side[1];
+}
+
 /* An edge both of whose ends have values. */
-static int32_t cut_edge(const cut_walk *k, int32_t axis, int32_t i, uint64_t low, uint64_t high, bvxi_cut_edge *edge, double *t)
+static int32_t cut_edge(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low, uint64_t high,
+                        bvxi_cut_edge *edge, double *t)
 {
     const bvxi_cuts *const c = k->cuts;
     edge->axis = axis;
     edge->length = c->march->spacing[axis];
     edge->high_inside = !is_inside(c->march, i, k->j, k->k);
-    edge->low_distance = read_end(c->values, low, edge->low);
-    edge->high_distance = read_end(c->values, high, edge->high);
+    edge->low_distance = read_end(v, low, edge->low);
+    edge->high_distance = read_end(v, high, edge->high);
     return bvxi_find_cut(edge, c->interpolation, t);
 }
 
@@ -97,6 +113,8 @@ static double ratio_on_edge(double t)
 {
     return bvxi_keep_off_ends(t >= 0.0 && t <= 1.0 ? t : 0.5);
 }
+
+/* ---- Edges that no value tells of ---- */
 
 static void place_missing_cuts(cut_walk *k)
 {
@@ -119,36 +137,61 @@ static void take_missing_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t
     e->at[1] = k->j;
     e->at[2] = k->k;
     k->missing_vertex[k->missing_count++] = vertex;
-    k->count[BVXI_CUT_LID]++;
     if (k->missing_count == BVXI_MISSING_MOST) place_missing_cuts(k);
 }
 
-/* The vertex on the edge from centre (i, j, k) along axis, whose ends have the values low and high. */
-static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, uint64_t low, uint64_t high)
+/* ---- Cuts ---- */
+
+typedef struct placed_cut {
+    double t;
+    int32_t by;                 /* BVXI_CUT_...; LID: t is not known yet */
+    bvxi_facet_plane planes[2]; /* where they are asked for */
+} placed_cut;
+
+/* The cut of the edge from centre (i, j, k) along axis by a body that has the values low and high at its ends. */
+static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low, uint64_t high,
+                          placed_cut *cut)
 {
     const bvxi_cuts *const c = k->cuts;
-    const bvxi_march *const m = c->march;
-    const bvxi_edge_values *const v = c->values;
     int const known = low != NO_VALUE && high != NO_VALUE;
-    int32_t by = BVXI_CUT_MIDDLE;
-    double t = 0.5;
     bvxi_cut_edge edge;
-    if (known) by = cut_edge(k, axis, i, low, high, &edge, &t);
-    if (c->planes != NULL) memset(&c->planes[2 * vertex], 0, 2 * sizeof *c->planes);
-    if (v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
-        take_missing_cut(k, vertex, axis, i);
+    cut->by = BVXI_CUT_MIDDLE;
+    cut->t = 0.5;
+    if (known) cut->by = cut_edge(k, v, axis, i, low, high, &edge, &cut->t);
+    if (c->planes != NULL) memset(cut->planes, 0, sizeof cut->planes);
+    if (k->bodies == 1 && v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
+        cut->by = BVXI_CUT_LID;
         return;
     }
-    t = ratio_on_edge(t);
-    k->count[by]++;
+    cut->t = ratio_on_edge(cut->t);
     if (c->planes != NULL && known) {
-        const bvx_lattice *const l = &m->grid->lattice;
+        const bvx_grid *const g = c->march->grid;
         int32_t const at[3] = {i, k->j, k->k};
         double centre[3];
-        for (int32_t a = 0; a < 3; a++) centre[a] = l->origin[a] + ((double)(m->grid->low[a] + at[a]) + 0.5) * l->spacing[a];
-        t = bvxi_facet_cut(c, &edge, low, high, centre, t, &c->planes[2 * vertex]);
+        for (int32_t a = 0; a < 3; a++)
+            centre[a] = g->lattice.origin[a] + ((double)(g->low[a] + at[a]) + 0.5) * g->lattice.spacing[a];
+        cut->t = bvxi_facet_cut(c, v, &edge, low, high, centre, cut->t, cut->planes);
     }
-    bvxi_put_crossing(m, vertex, axis, i, k->j, k->k, t);
+}
+
+/* The vertex on the edge from centre (i, j, k) along axis, whose ends have the values low and high of each body. */
+static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, const uint64_t low[2], const uint64_t high[2])
+{
+    const bvxi_cuts *const c = k->cuts;
+    const bvxi_edge_values *const v = c->values;
+    int const first = k->bodies == 1 || changes_side(v->inside, axis, i, k->j, k->k);
+    placed_cut cut;
+    if (first) find_body_cut(k, v, axis, i, low[0], high[0], &cut);
+    if (k->bodies == 2 && changes_side(v->second->inside, axis, i, k->j, k->k)) {
+        int const later = is_inside(c->march, i, k->j, k->k) == (v->outer != 0);
+        placed_cut other;
+        find_body_cut(k, v->second, axis, i, low[1], high[1], &other);
+        if (!first || (later ? other.t > cut.t : other.t < cut.t)) cut = other;
+    }
+    k->count[cut.by]++;
+    if (c->planes != NULL) memcpy(&c->planes[2 * vertex], cut.planes, sizeof cut.planes);
+    if (cut.by == BVXI_CUT_LID) take_missing_cut(k, vertex, axis, i);
+    else bvxi_put_crossing(c->march, vertex, axis, i, k->j, k->k, cut.t);
 }
 
 static void place_slot(cut_walk *k, uint64_t slot)
@@ -162,7 +205,9 @@ static void place_slot(cut_walk *k, uint64_t slot)
     if (s[1].edge[0] == s->edge[0]) return;
     bvxi_slot_row(m, slot, &k->j, &k->k);
     bvxi_cell_rows(m, k->j, k->k, row);
-    for (int32_t r = 0; r < 3; r++) k->row[r] = start_value_row(c, k->j + (r == 1), k->k + (r == 2));
+    for (int32_t b = 0; b < k->bodies; b++)
+        for (int32_t r = 0; r < 3; r++)
+            k->row[b][r] = start_value_row(c, b == 0 ? c->values : c->values->second, k->j + (r == 1), k->k + (r == 2));
     for (int32_t w = 0; w < m->edge_words; w++) {
         uint64_t mask[3];
         bvxi_cell_words cells;
@@ -173,11 +218,17 @@ static void place_slot(cut_walk *k, uint64_t slot)
         for (int32_t axis = 0; axis < 3; axis++)
             for (uint64_t bits = mask[axis]; bits != 0; bits &= bits - 1) {
                 int32_t const bit = bvxi_lowest(bits);
-                uint64_t const low = axis == 0 ? value_before(&k->row[0], words, w, bit) : value_at(&k->row[0], words, w, bit);
-                place_cut(k, vertex[axis]++, axis, w * 64 + bit - (axis == 0), low, value_at(&k->row[axis], words, w, bit));
+                uint64_t low[2], high[2];
+                for (int32_t b = 0; b < k->bodies; b++) {
+                    const value_row *const rows = k->row[b];
+                    low[b] = axis == 0 ? value_before(&rows[0], words, w, bit) : value_at(&rows[0], words, w, bit);
+                    high[b] = value_at(&rows[axis], words, w, bit);
+                }
+                place_cut(k, vertex[axis]++, axis, w * 64 + bit - (axis == 0), low, high);
             }
-        for (int32_t r = 0; r < 3; r++)
-            if (k->row[r].words != NULL && w < words) k->row[r].next += bvxi_popcount(k->row[r].words[w]);
+        for (int32_t b = 0; b < k->bodies && w < words; b++)
+            for (int32_t r = 0; r < 3; r++)
+                if (k->row[b][r].words != NULL) k->row[b][r].next += bvxi_popcount(k->row[b][r].words[w]);
     }
 }
 
@@ -189,6 +240,7 @@ void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker)
     (void)worker;
     memset(&k, 0, sizeof k);
     k.cuts = c;
+    k.bodies = c->values->second != NULL ? 2 : 1;
     bvxi_piece(c->march->slot_count, c->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) place_slot(&k, s);
     place_missing_cuts(&k);

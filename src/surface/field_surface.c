@@ -32,20 +32,6 @@ static bvx_status check_field_surface_options(bvx_context *ctx, const char *func
     return BVX_OK;
 }
 
-/* Doubles that could not tell neighbouring places apart, as bvxi_check_f32 for floats. */
-static bvx_status check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t local_frame)
-{
-    for (int32_t a = 0; a < 3; a++) {
-        double const spacing = grid->lattice.spacing[a], origin = local_frame ? 0.0 : grid->lattice.origin[a];
-        double const low = origin + grid->low[a] * spacing, high = origin + ((double)grid->low[a] + grid->size[a]) * spacing;
-        double const most = (low < 0 ? -low : low) > (high < 0 ? -high : high) ? (low < 0 ? -low : low) : (high < 0 ? -high : high);
-        if (!(most <= spacing * 17592186044416.0)) /* 2^44, so that 2^-53 of it is 1/512 of a voxel */
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: at %g doubles are too coarse for voxels of %g; take a local frame", function,
-                             most, spacing);
-    }
-    return BVX_OK;
-}
-
 /* The numbers of the values must be those of the band's bits, as no search checks them again. */
 static bvx_status check_row_values(bvx_context *ctx, const char *function, const bvx_field *f)
 {
@@ -66,13 +52,15 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
 
 static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f, const bvx_field_surface_options *o)
 {
+    static const double local_origin[3] = {0, 0, 0};
     int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) || o->sharp;
     for (uint64_t i = 0; i < 4; i++)
         if (f->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.reserved[%u] is not zero", function, i);
     if (f->sign == BVX_SIGN_NONE || f->inside.words == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no inside; measure it with a sign", function);
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));
-    if (o->position_type == BVX_F64) BVXI_TRY(check_f64(ctx, function, &f->inside, o->local_frame));
+    if (o->position_type == BVX_F64) BVXI_TRY(bvxi_check_f64(ctx, function, &f->inside,
+                                                                 o->local_frame ? local_origin : f->inside.lattice.origin));
     if (o->interpolation == BVX_EDGE_MIDDLE && !o->sharp) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));
     if (!bvxi_lattice_equal(&f->band.lattice, &f->inside.lattice) || memcmp(f->band.low, f->inside.low, sizeof f->band.low) != 0 ||

@@ -27,6 +27,9 @@ typedef struct bvxi_edge_values {
     bvxi_missing_fn *missing;      /* crossings with an end that has no value (NULL: the middle), and those that no surface makes:
                                       the distances of both ends are together more than the edge (NULL: as others) */
     const void *missing_user;
+    const bvx_grid *inside;        /* what these values bound: only edges whose ends differ in it are theirs; NULL: the surface's own */
+    const struct bvxi_edge_values *second; /* another body's values, or NULL; where there is one, missing is not asked */
+    int32_t outer;                 /* an edge of both is cut by 1: the one further from the inside, 0: the nearer one */
 } bvxi_edge_values;
 
 /* The surface of inside with cuts by values; options are checked, surface is opened as by bvxi_mesh_open. report may be NULL.
@@ -44,7 +47,7 @@ typedef struct bvxi_facet_plane {
 
 typedef struct bvxi_cuts {
     const bvxi_march *march; /* filled */
-    const bvxi_edge_values *values;
+    const bvxi_edge_values *values; /* and its second */
     int32_t interpolation;
     double unit;                /* the largest spacing */
     bvxi_facet_plane *planes;   /* two of each vertex, or NULL where none are asked for */
@@ -57,7 +60,7 @@ void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker);
 struct bvxi_cut_edge;
 /* facet_plane.c: the cut of an edge whose ends have values low and high, from the ratio that their vectors gave it; centre is the
  * low end [Units: world]. planes[0] is that of the facet nearer to the cut, planes[1] that of the other end's; both are zero before. */
-double bvxi_facet_cut(const bvxi_cuts *cuts, const struct bvxi_cut_edge *edge, uint64_t low, uint64_t high, const double centre[3],
-                      double ratio, bvxi_facet_plane planes[2]);
+double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_edge_values *values, const struct bvxi_cut_edge *edge, uint64_t low, uint64_t high,
+                      const double centre[3], double ratio, bvxi_facet_plane planes[2]);
 
 #endif

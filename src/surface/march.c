@@ -56,6 +56,19 @@ bvx_status bvxi_check_f32(bvx_context *ctx, const char *function, const bvx_grid
     return BVX_OK;
 }
 
+bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3])
+{
+    for (int32_t a = 0; a < 3; a++) {
+        double const spacing = grid->lattice.spacing[a];
+        double const low = origin[a] + grid->low[a] * spacing, high = origin[a] + ((double)grid->low[a] + grid->size[a]) * spacing;
+        double const most = (low < 0 ? -low : low) > (high < 0 ? -high : high) ? (low < 0 ? -low : low) : (high < 0 ? -high : high);
+        if (!(most <= spacing * 17592186044416.0)) /* 2^44, so that 2^-53 of it is 1/512 of a voxel */
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: at %g doubles are too coarse for voxels of %g; take a local frame", function,
+                             most, spacing);
+    }
+    return BVX_OK;
+}
+
 /* Cells by their low corner: from the layer before the window to its last voxel, less a layer on each open side. */
 static void choose_cells(bvxi_march *m)
 {

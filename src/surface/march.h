@@ -20,11 +20,20 @@ typedef struct bvxi_slot {
  * window. NULL: the middle. Called from workers. */
 typedef double bvxi_ratio_fn(const void *user, int32_t axis, int32_t i, int32_t j, int32_t k);
 
+/* Samples whose level the surface is: the grid holds which of them are inside. */
+typedef struct bvxi_level_samples {
+    const uint8_t *samples; /* of the window's voxel (0,0,0) */
+    int64_t stride[3];      /* [Units: bytes] */
+    int32_t type;           /* BVX_SAMPLE_... */
+    double level;
+} bvxi_level_samples;
+
 typedef struct bvxi_march {
     const bvx_grid *grid;
     bvx_extract_options options;
     bvxi_ratio_fn *ratio;
     const void *ratio_user;
+    const bvxi_level_samples *level;          /* in place of ratio, or NULL */
     const char *function;             /* named in messages */
     int32_t cpu;
     int32_t cell_low[3], cell_high[3]; /* visited cells by low corner, inclusive */
@@ -44,6 +53,8 @@ typedef struct bvxi_march {
 
 /* Refuse f32 where its steps at the grid's largest coordinate exceed 1/256 of a voxel. */
 bvx_status bvxi_check_f32(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3]);
+/* Doubles that could not tell neighbouring places apart. */
+bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3]);
 /* Check, choose cells, count: after success the counts and slots stand. bvxi_march_close in any case. */
 bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid, const bvx_extract_options *options);
 /* Make or fill the mesh. */

@@ -135,6 +135,7 @@ struct bvxi_winding {
 };
 
 #define WINDING_NEAR 1e-3   /* parts of the sheet are opened until each is off by less */
+#define WINDING_COARSE 1e-2
 #define WINDING_AT_END 0.01 /* beyond what that may sum up to, mostly */
 #define WINDING_LEAST 0.001 /* the crossing stays this far inside the edge */
 
@@ -195,4 +196,10 @@ void bvxi_winding_ratios(const bvxi_winding *winding, int32_t count, const bvxi_
         ratio[i] = ratio_between(turns[0], turns[1], winding->rule);
         if (i + 1 < count) ratio[i + 1] = ratio_between(turns[2], turns[3], winding->rule);
     }
+}
+
+double bvxi_winding_off(const bvxi_winding *winding, const int64_t p[3])
+{
+    double const turns = bvxi_sheet_angle(&winding->sheet, p, WINDING_COARSE), off = turns - floor(turns + 0.5);
+    return off < 0 ? -off : off;
 }

@@ -23,4 +23,7 @@ typedef struct bvxi_winding_edge {
  * Called from workers. Cost: two angles an edge, to about 1e-3 turns. */
 void bvxi_winding_ratios(const bvxi_winding *winding, int32_t count, const bvxi_winding_edge *edge, double *ratio);
 
+/* How far the winding number at a place of the lattice (fixed point) is from a whole number, 0 to 0.5. Called from workers. */
+double bvxi_winding_off(const bvxi_winding *winding, const int64_t p[3]);
+
 #endif

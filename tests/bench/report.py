@@ -220,14 +220,17 @@ tables = (
     ("refine.md", "Refinement, and its paper's tables"),
     ("field.md", "Distance fields and repair"),
     ("peers_field.md", "Distance fields and repair by others"),
+    ("defects.md", "Repair of shapes that were spoilt"),
+    ("grids.md", "Grids: set algebra, booleans of meshes"),
+    ("peers_grids.md", "Grids by others"),
     ("step.md", "The repair paper's experiment"),
 )
 if any(os.path.exists(path(name)) for name, _ in tables):
     rows = []
-    for t in sum((load_lines(name + ".jsonl") for name in ("voxels", "refine", "field", "peers_field")), []):
+    for t in sum((load_lines(name + ".jsonl") for name in ("voxels", "refine", "field", "peers_field", "grids", "peers_grids")), []):
         bound = "at most" if t["below"] else "at least"
         rows.append((t["title"], f"{t['value']:.3g} {t['unit']}", f"{bound} {t['target']:g}", verdict(t["value"], t["target"], t["below"])))
-    say("", "## Voxels, fields and repair: targets")
+    say("", "## Voxels, fields, repair and grids: targets")
     table(("", "measured", "target", ""), rows)
 for name, title in tables:
     if os.path.exists(path(name)):

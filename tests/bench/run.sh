@@ -9,13 +9,16 @@
 #     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
 #     BENCH_ONLY=voxels     surfaces of voxels, fills and refinement alone; their tables are then printed, without a report
 #     BENCH_ONLY=field      distance fields, repair and its paper's experiment alone
+#     BENCH_ONLY=grids      set algebra and booleans of meshes alone
+#     BENCH_ONLY=morph      morphology and distances of grids alone
+#     BENCH_ONLY=volumes    thresholds and surfaces of scalar volumes alone
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}" "${BENCH_ONLY:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -67,15 +70,55 @@ measure_voxels() {
 }
 
 measure_field() {
-    rm -f "$out"/field* "$out"/peers_field* "$out/step.md"
+    rm -f "$out"/field* "$out"/peers_field* "$out/step.md" "$out/defects.md"
     echo "== distance fields and repair"
     "$BENCHES/bench_field" "$MESHES" "$out" 9 >"$out/field.md" && cat "$out/field.md"
     if [ -n "$python" ]; then peer tests/bench/peers_field.py "$out" "$BENCHES/bench_field" "$MESHES"; fi
+    echo "== repair of shapes that were spoilt"
+    "$BENCHES/bench_defects" >"$out/defects.md" && cat "$out/defects.md"
     echo "== the repair paper's experiment"
     "$BENCHES/bench_step" "$MESHES" >"$out/step.md" && cat "$out/step.md"
 }
 
+measure_grids() {
+    rm -f "$out"/grids* "$out"/peers_grids*
+    echo "== grids: set algebra, booleans of meshes"
+    "$BENCHES/bench_grids" "$MESHES" "$out" 9 >"$out/grids.md" && cat "$out/grids.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_grids.py "$out" "$BENCHES/bench_grids" "$MESHES"; fi
+}
+
+measure_morph() {
+    rm -f "$out"/morph* "$out/peers_morph.md"
+    echo "== morphology and distances of grids"
+    "$BENCHES/bench_morph" "$MESHES" "$out" 9 >"$out/morph.md" && cat "$out/morph.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_morph.py "$out"; fi
+}
+
+measure_volumes() {
+    rm -f "$out"/volume*
+    echo "== scalar volumes"
+    "$BENCHES/bench_volumes" "$MESHES" "$out" 9 >"$out/volumes.md" && cat "$out/volumes.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_volumes.py "$out" | tee -a "$out/volumes.md"; fi
+    rm -f "$out/volume_dragon.f32"
+}
+
 find_python
+if [ "$BENCH_ONLY" = volumes ]; then
+    measure_volumes
+    exit 0
+fi
+if [ "$BENCH_ONLY" = grids ]; then
+    measure_grids
+    cat "$out/grids.jsonl" "$out/peers_grids.jsonl" 2>/dev/null
+    load >>"$out/load"
+    exit 0
+fi
+if [ "$BENCH_ONLY" = morph ]; then
+    measure_morph
+    cat "$out/morph.jsonl"
+    load >>"$out/load"
+    exit 0
+fi
 if [ "$BENCH_ONLY" = field ]; then
     measure_field
     cat "$out/field.jsonl" "$out/peers_field.jsonl" 2>/dev/null
@@ -112,6 +155,9 @@ if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$o
 
 measure_voxels
 measure_field
+measure_grids
+measure_morph
+measure_volumes
 
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"

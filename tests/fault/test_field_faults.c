@@ -73,6 +73,7 @@ static bvx_status measure(bvx_context *ctx, const bvx_mesh_view *view, int32_t s
         return status;
     }
     mark = bvx_hash(f.distances, (size_t)f.value_count * 4, 0);
+    for (int32_t x = 0; x < f.band.size[0]; x++) mark += bvx_field_value(&f, x, f.band.size[1] / 2, f.band.size[2] / 2);
     mark = bvx_hash(f.vectors, (size_t)f.value_count * 12, mark);
     if (f.inside.words != NULL) mark = bvx_hash(f.inside.words, (size_t)f.inside.size[1] * (size_t)f.inside.size[2] * 8, mark);
     bvx_field_free(ctx, &f);

@@ -71,6 +71,28 @@ static bvx_status store_tree(bvx_context *ctx, const bvx_octree *tree, uint64_t 
     return status;
 }
 
+/* Everything that can be asked of a tree: these allocate nothing, but they report progress. */
+static bvx_status ask_tree(bvx_context *ctx, const bvx_octree *tree, uint64_t *mark)
+{
+    static const double rays[12] = {-9, 0.1, 0.2, 1, 0.01, 0.02, 0.3, 9, 0.1, 0.02, -1, 0.03};
+    static const int32_t voxels[6] = {0, 0, 0, 5, 6, 7};
+    int32_t const levels = bvx_octree_levels(tree);
+    bvx_octree_leaf leaf[2];
+    bvx_octree_hit hit[2];
+    bvx_octree_level level[8];
+    bvx_lattice lattice;
+    uint64_t leaves = 0, beside = 0;
+    bvx_status status = bvx_octree_at(ctx, tree, voxels, 2, leaf);
+    if (status == BVX_OK) status = bvx_octree_neighbours(ctx, tree, &leaf[0], 3, NULL, 0, &beside);
+    if (status == BVX_OK) status = bvx_octree_find(ctx, tree, rays, 2, leaf);
+    if (status == BVX_OK) status = bvx_octree_cast(ctx, tree, 0, rays, 2, 1e9, hit);
+    if (status == BVX_OK) status = bvx_octree_leaves(ctx, tree, 0, NULL, 0, &leaves);
+    if (status == BVX_OK) status = bvx_octree_count(ctx, tree, level, 8);
+    if (status == BVX_OK) status = bvx_octree_lattice(ctx, tree, levels, &lattice);
+    if (status == BVX_OK) *mark += leaves + 3 * beside + 5 * (uint64_t)hit[0].hit + 7 * level[levels].surface + (uint64_t)lattice.dims[0];
+    return status;
+}
+
 static bvx_status use_tree(bvx_context *ctx, const bvx_octree *tree, uint64_t *mark)
 {
     bvx_grid grid = {0};
@@ -78,12 +100,18 @@ static bvx_status use_tree(bvx_context *ctx, const bvx_octree *tree, uint64_t *m
     bvx_window const window = {{3, 5, 1}, {20, 9, 25}};
     bvx_status status = bvx_octree_expand(ctx, tree, 4, 0, &window, &grid);
     if (status == BVX_OK) status = bvx_grid_hash(ctx, &grid, mark);
+    if (status == BVX_OK) {
+        uint64_t set = 0;
+        status = bvx_grid_count(ctx, &grid, &set);
+        *mark += set;
+    }
     bvx_grid_free(ctx, &grid);
     if (status != BVX_OK) return status;
     status = bvx_write_octree(ctx, tree, 0, BVX_FORMAT_VTU, &file);
     if (status == BVX_OK) *mark = bvx_hash(file.bytes, (size_t)file.size, *mark);
     bvx_buffer_free(ctx, &file);
     if (status == BVX_OK) status = store_tree(ctx, tree, mark);
+    if (status == BVX_OK) status = ask_tree(ctx, tree, mark);
     return status != BVX_OK ? status : extract_tree(ctx, tree, mark);
 }
 

@@ -72,7 +72,11 @@ static bvx_status end_with_image(bvx_context *ctx, bvx_status status, bvx_image 
         left_behind |= image->pixels != NULL || image->width != 0 || image->height != 0;
         return status;
     }
+    bvx_buffer file = {0};
     mark = bvx_hash(image->pixels, (size_t)image->width * (size_t)image->height * 3, 0);
+    status = bvx_write_png(ctx, image, &file);
+    if (status != BVX_OK) left_behind |= file.bytes != NULL;
+    bvx_buffer_free(ctx, &file);
     bvx_image_free(ctx, image);
     return status;
 }

@@ -71,7 +71,9 @@ static bvx_status run_files(section_run *run, bvx_context *ctx, uint64_t *mark)
         memset(&read, 0, sizeof read);
         status = bvx_write_sections(ctx, &stack.s, formats[i], &file);
         if (status == BVX_OK) *mark = bvx_hash(file.bytes, (size_t)file.size, *mark);
-        if (status == BVX_OK && i < 2) status = bvx_read_sections(ctx, file.bytes, file.size, formats[i], NULL, &read);
+        bvx_read_sections_options o;
+        bvx_read_sections_options_init(&o, sizeof o);
+        if (status == BVX_OK && i < 2) status = bvx_read_sections(ctx, file.bytes, file.size, formats[i], &o, &read);
         if (status != BVX_OK) run->wrong |= read.points != NULL;
         bvx_sections_free(ctx, &read);
         bvx_buffer_free(ctx, &file);

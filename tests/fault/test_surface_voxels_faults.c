@@ -96,7 +96,10 @@ static bvx_status faces_of(bvx_context *ctx, int32_t merged)
     bvx_status status;
     bvx_faces_options_init(&o, sizeof o);
     o.merged = merged;
-    status = bvx_extract_faces(ctx, &solid, &o, &mesh);
+    uint64_t vertices = 0, triangles = 0;
+    status = bvx_faces_count(ctx, &solid, &o, &vertices, &triangles);
+    if (status == BVX_OK) status = bvx_extract_faces(ctx, &solid, &o, &mesh);
+    if (status == BVX_OK) assert_true(mesh.vertex_count == vertices && mesh.triangle_count == triangles);
     if (status != BVX_OK) {
         left_behind |= mesh.positions != NULL || mesh.vertex_count != 0 || mesh.triangle_count != 0;
         return status;

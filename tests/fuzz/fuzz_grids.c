@@ -77,6 +77,43 @@ static void fuzz_check_window(bvx_context *ctx, const uint8_t *file, size_t size
     bvx_grid_free(ctx, &part);
 }
 
+static int32_t fuzz_unpack(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size)
+{
+    (void)user;
+    if (packed_size < plain_size) return 1;
+    memcpy(plain, packed, (size_t)plain_size);
+    return 0;
+}
+
+/* The same file as a volume: a view that is read whole, and what a grid of it holds. */
+static void fuzz_read_volume(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format)
+{
+    static const bvx_volume empty = {0};
+    bvx_read_volume_options o;
+    bvx_volume v = {0};
+    bvx_grid other = {0}, g = {0};
+    bvx_status status;
+    uint64_t files = 0;
+    char name[64];
+    bvx_read_volume_options_init(&o, sizeof o);
+    o.inflate = fuzz_unpack;
+    o.data = file;
+    o.data_size = size;
+    status = bvx_read_volume(ctx, file, size, format, &o, &v);
+    if (status == BVX_OK && bvx_threshold(ctx, &v.view, 1e-300, 1e300, NULL, &g) == BVX_OK) {
+        fuzz_check_grid(&g);
+        if (bvx_read_grid(ctx, file, size, format, NULL, &other) == BVX_OK)
+            for (size_t i = 0; i < fuzz_words(&g); i++) fuzz_require((g.words[i] & ~other.words[i]) == 0, "a sample that the grid lacks");
+    }
+    fuzz_require(status == BVX_OK || memcmp(&v, &empty, sizeof v) == 0, "a volume behind an error");
+    if (format == BVX_FORMAT_NRRD && bvx_volume_data_name(ctx, file, size, 0, NULL, 0, &files) == BVX_OK && files != 0)
+        bvx_volume_data_name(ctx, file, size, files - 1, name, sizeof name, &files);
+    bvx_grid_free(ctx, &other);
+    bvx_grid_free(ctx, &g);
+    bvx_volume_free(ctx, &v);
+    fuzz_require(bvx_memory_used(ctx) == 0, "a volume's memory that is not given back");
+}
+
 static int32_t fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format)
 {
     static const bvx_grid empty = {0};
@@ -95,6 +132,7 @@ static int32_t fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int
     }
     bvx_grid_free(ctx, &g);
     fuzz_require(bvx_memory_used(ctx) == 0, "memory that is not given back");
+    if (format == BVX_FORMAT_NPY || format == BVX_FORMAT_NRRD || format == BVX_FORMAT_VTI) fuzz_read_volume(ctx, file, size, format);
     return status;
 }
 
@@ -222,6 +260,7 @@ static size_t fuzz_damage(uint8_t *file, size_t size)
 {
     static const uint32_t numbers[] = {0, 1, 2, 0xffffffffu, 0x7fffffffu, 0x80000000u, 0xffff, 256, 1 << 25};
     static const char *const words[] = {"4294967295", "-1", "nan", "1e999", " ", "\n", "0", "99999999999999999999", "dim 9 9 9\n",
+                                        "encoding: gzip\n", "data file: a%03d 1 9 2\n", "data file: LIST\n",
                                         "data\n", "SIZE", "XYZI", "<", "/>", "\"", "ascii", "double", "(3,4)", "\xff\xff\xff\xff\x7f"};
     size_t const at = fuzz_below(size);
     switch (fuzz_below(8)) {

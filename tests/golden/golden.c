@@ -1,18 +1,25 @@
 /* golden.c - recompute the golden values and compare them with fixtures/golden/.
  *
  *   golden [--threads N] [--portable]   compare; one line a difference; the last line is "N passed, N failed"
+ *   golden --print                      and print every line as computed (make matrix compares these between builds)
+ *   golden --flush                      with denormal numbers flushed to zero, as games set it (x86 with SSE, aarch64)
  *   golden --write                      store what is computed now (make golden, which also shows the difference)
  *
  * A golden file holds one line a case: its name, then key=value pairs. A case computes its values and hands them to
  * golden_u64, golden_hex or golden_text between golden_begin and golden_end; a group of cases is one function and one
  * file. The same values must come out on every machine, compiler and thread count, so a value depends on none. */
 #include "bitvox.h"
+#include "bare_case.h"
 #include "shapes.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
 
 enum { MAX_LINE = 2048, MAX_LINES = 1024 };
 
@@ -24,7 +31,24 @@ typedef struct golden {
     int stored_count;
     char line[MAX_LINE];      /* the case being made */
     int passed, failed;
+    int print;                /* 1: every line is shown as computed */
 } golden;
+
+/* 1 when this processor was told to take denormal numbers for zero and to make none. */
+static int flush_denormals(void)
+{
+#if defined(__SSE2__)
+    _mm_setcsr(_mm_getcsr() | 0x8040);
+    return 1;
+#elif defined(__aarch64__) && defined(__GNUC__)
+    uint64_t mode;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(mode));
+    __asm__ volatile("msr fpcr, %0" : : "r"(mode | UINT64_C(1) << 24));
+    return 1;
+#else
+    return 0;
+#endif
+}
 
 static void append(golden *g, const char *text)
 {
@@ -77,6 +101,7 @@ static void golden_end(golden *g)
         fprintf(g->out, "%s\n", g->line);
         return;
     }
+    if (g->print) printf("= %s\n", g->line);
     while (at < g->stored_count && (g->used[at] || !same_name(g->stored[at], g->line))) at++;
     if (at == g->stored_count) {
         printf("FAIL not stored: %s\n", g->line);
@@ -264,8 +289,24 @@ static void solid_cases(golden *g)
     for (size_t i = 0; i < sizeof soup / sizeof soup[0]; i++) solid_values(g, &soup[i]);
 }
 
+/* The case that machines without an operating system compute too. */
+static void bare_cases(golden *g)
+{
+    bare_result r = {0, 0, 0, 0};
+    golden_begin(g, "torus_32_bare");
+    if (golden_good(g, bare_case(g->context, &golden_shape, &r))) {
+        golden_u64(g, "set", r.set);
+        golden_hex(g, "bits", r.bits);
+        golden_u64(g, "triangles", r.triangles);
+        golden_hex(g, "mesh", r.mesh);
+    }
+    golden_end(g);
+}
+
 #include "voxel_cases.h"
 #include "field_cases.h"
+#include "query_cases.h"
+#include "algebra_cases.h"
 
 static const struct {
     const char *file;
@@ -274,11 +315,17 @@ static const struct {
     {"hash", hash_cases},
     {"grid", grid_cases},
     {"solid", solid_cases},
+    {"bare", bare_cases},
     {"voxel_surface", voxel_surface_cases},
     {"fills", fill_cases},
     {"octree", octree_cases},
     {"field", field_cases},
     {"repair", repair_cases},
+    {"questions", question_cases},
+    {"tree_questions", tree_question_cases},
+    {"files", file_cases},
+    {"pictures", picture_cases},
+    {"algebra", algebra_cases},
 };
 
 /* ---- Files ---- */
@@ -351,10 +398,17 @@ int main(int argc, char **argv)
             write = 1;
         } else if (strcmp(argv[i], "--portable") == 0) {
             options.cpu = BVX_CPU_PORTABLE;
+        } else if (strcmp(argv[i], "--print") == 0) {
+            g.print = 1;
+        } else if (strcmp(argv[i], "--flush") == 0) {
+            if (!flush_denormals()) {
+                fprintf(stderr, "golden: no way to flush denormal numbers is known for this processor\n");
+                return 2;
+            }
         } else if (strcmp(argv[i], "--threads") == 0 && i + 1 < argc) {
             options.threads = (int32_t)strtol(argv[++i], NULL, 10);
         } else {
-            fprintf(stderr, "usage: golden [--write] [--threads N] [--portable]\n");
+            fprintf(stderr, "usage: golden [--write | --print] [--threads N] [--portable] [--flush]\n");
             return 2;
         }
     }

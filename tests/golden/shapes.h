@@ -7,7 +7,9 @@
 #include <math.h>
 #include <stdint.h>
 
-enum { SHAPE_MAX = 20000 };
+#ifndef SHAPE_MAX
+#define SHAPE_MAX 20000 /* vertices, triangles */
+#endif
 
 typedef struct shape {
     double v[SHAPE_MAX][3];

@@ -475,6 +475,44 @@ refuses 2 'nothing is asked' fill walls.bvx -o x.bvx --mesh box.obj --seed 1,1,1
 refuses 2 'one of: 6, 18, 26' fill walls.bvx -o x.bvx --connectivity 8
 refuses 2 'no grid format that is written' fill walls.bvx -o x.ply
 
+# ---- morph ----
+
+works 'a body to change' voxelize nested.obj -o body.bvx --resolution 32 --padding 4
+for action in dilate erode open close; do
+    works "morph $action" morph $action body.bvx -o $action.bvx --neighbourhood 18 --steps 2
+done
+inside 'what is eroded is a part of what is opened' erode.bvx open.bvx
+inside 'what is opened is a part of the body' open.bvx body.bvx
+inside 'the body is a part of what is closed' body.bvx close.bvx
+inside 'what is closed is a part of what is dilated' close.bvx dilate.bvx
+works 'a ball of one voxel' morph dilate body.bvx -o ball.bvx --radius 0.5
+works 'neighbours across faces' morph dilate body.bvx -o cross.bvx
+same 'a ball of one voxel is a cross' ball.bvx cross.bvx
+works 'a mesh makes room for what is added' morph dilate nested.obj -o roomy.bvx --resolution 32 --radius 1.5
+holds 'three voxels on each side' says '^  dims +38 x 38 x 38$'
+works 'a body without room' voxelize nested.obj -o near.bvx --resolution 32 --padding 1
+warns "reaches the grid's sides" morph dilate near.bvx -o x.bvx --steps 2
+reports 'morph hollow' 'r["morph"]["action"] == "hollow" and r["morph"]["hollowed"] == r["morph"]["before"] - r["morph"]["after"] - r["morph"]["drained"] > 0
+    and r["morph"]["drained"] > 4 and abs(r["morph"]["drain"][2] - 1.25) < 1e-9' \
+    morph hollow body.bvx -o shell.bvx --thickness 1 --drain 0.8
+inside 'a shell is a part of the body' shell.bvx body.bvx
+warns 'no hollow' morph hollow body.bvx -o x.bvx --thickness 50
+for ending in npy nrrd vti; do
+    works "distances as .$ending" morph distance body.bvx -o distance.$ending --side signed --value-type f64
+done
+reports 'morph distance' 'r["morph"]["side"] == "inside" and r["morph"]["least"] == 0 and r["morph"]["greatest"] > 2' \
+    morph distance body.bvx -o x.npy --side inside --beyond empty
+rm -f x.*
+refuses 2 "did you mean 'erode'" morph erod body.bvx -o x.bvx
+refuses 2 'morph knows no' morph body.bvx erode -o x.bvx
+refuses 2 'in place of' morph erode body.bvx -o x.bvx --radius 1 --steps 2
+refuses 2 'no use for --thickness' morph erode body.bvx -o x.bvx --thickness 1
+refuses 2 'needs --thickness' morph hollow body.bvx -o x.bvx
+refuses 2 'is for meshes' morph open body.bvx -o x.bvx --resolution 64
+refuses 2 'written as .npy, .nrrd or .vti' morph distance body.bvx -o x.bvx
+refuses 2 'is for distances' morph erode body.bvx -o x.bvx --beyond nothing
+refuses 2 'one of: 6, 18, 26' morph erode body.bvx -o x.bvx --neighbourhood 8
+
 # ---- what refine refuses ----
 
 refuses 2 '--expand is for grids' refine "$knot" -o x.vtu --expand 2

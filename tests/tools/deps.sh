@@ -1,11 +1,11 @@
 #!/bin/sh
 # deps.sh - install what the tests use beyond a C compiler and make (Debian and Ubuntu names, as root).
-# Does nothing when all is there. Without root or apt it names what is missing; the tests then skip those parts and
+# PACKAGES in the environment: these instead. Does nothing when all is there. Without root or apt it names what is missing; the tests then skip those parts and
 # say so. Never removes a package: the cross compilers and gcc-multilib exclude each other, and gcc-multilib stays.
 set -u
 
-packages='python3-venv python3-dev libcmocka-dev clang zlib1g-dev locales pkg-config qemu-user
-    gcc-i686-linux-gnu libc6-dev-i386-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross'
+packages=${PACKAGES:-python3-venv python3-dev libcmocka-dev clang zlib1g-dev locales pkg-config qemu-user
+    gcc-i686-linux-gnu libc6-dev-i386-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross}
 
 missing() {
     for p in $packages; do

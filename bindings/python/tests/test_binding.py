@@ -1,5 +1,6 @@
 """The binding against the header it is made from."""
 
+import inspect
 import re
 import sys
 from pathlib import Path
@@ -118,3 +119,42 @@ def test_everything_public_has_a_docstring():
 
 def test_typed():
     assert (PACKAGE / "py.typed").is_file()
+
+
+def test_reports_are_the_headers(csource):
+    """Named tuples with all fields of the structs, each with the header's words."""
+    from bitvox import reports
+
+    header = csource.prepare()
+    assert (PACKAGE / "reports.py").read_text(encoding="utf-8") == csource.reports(header)
+    for name, made in reports.BY_STRUCT.items():
+        fields = [field for field, _ in ffi.typeof(name).fields if not field.startswith("reserved")]
+        assert list(made._fields) == fields and all(f"\n        {field}:" in made.__doc__ for field in fields), name
+    found = bitvox.check(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+    assert type(found) is reports.Certificate and found.closed is False and found.oriented is True
+
+
+def public_callables():
+    """Functions, classes and methods that are part of the interface, by name."""
+    import importlib
+
+    for module in ("bitvox", "bitvox.formats", "bitvox.big"):
+        for name in importlib.import_module(module).__all__:
+            thing = getattr(importlib.import_module(module), name)
+            yield f"{module}.{name}", thing
+            if isinstance(thing, type) and thing.__module__.startswith("bitvox") and not issubclass(thing, (Exception, tuple)):
+                for member, value in vars(thing).items():
+                    value = getattr(value, "__func__", value)
+                    if not member.startswith("_") and inspect.isfunction(value):
+                        yield f"{module}.{name}.{member}", value
+
+
+def test_docstrings_tell_every_option():
+    limits = {"self", "cls", "threads", "memory_limit", "progress", "owner"}  # told once, by settings; owner: not for users
+    untold = []
+    for name, thing in public_callables():
+        if not inspect.isfunction(thing) and not (isinstance(thing, type) and "__init__" in vars(thing)):
+            continue
+        text = (thing.__doc__ or "") + (thing.__init__.__doc__ or "" if isinstance(thing, type) else "")
+        untold += [f"{name}: {p}" for p in inspect.signature(thing).parameters if p not in limits and not re.search(rf"\b{p}\b", text)]
+    assert untold == []

@@ -1,26 +1,10 @@
-"""Distance fields and repair, where the library has them."""
+"""Distance fields and repair."""
 
 import numpy as np
 import pytest
 from conftest import TETRAHEDRON, ball_grid, box_mesh
 
 import bitvox
-from bitvox import _native
-
-has = lambda name: hasattr(_native.lib, name)  # noqa: E731
-needs_field = pytest.mark.skipif(not has("bvx_measure_field"), reason="this build of the library has no bvx_measure_field")
-needs_surface = pytest.mark.skipif(not (has("bvx_measure_field") and has("bvx_extract_field_surface")), reason="this build of the library has no bvx_extract_field_surface")
-needs_repair = pytest.mark.skipif(not has("bvx_repair"), reason="this build of the library has no bvx_repair")
-
-
-@pytest.mark.skipif(has("bvx_measure_field") and has("bvx_repair"), reason="this build has all of it")
-def test_what_a_build_lacks_is_named():
-    if not has("bvx_measure_field"):
-        with pytest.raises(NotImplementedError, match="bvx_measure_field"):
-            bitvox.field(TETRAHEDRON)
-    if not has("bvx_repair"):
-        with pytest.raises(bitvox.UnsupportedError, match="bvx_repair"):
-            bitvox.repair(TETRAHEDRON)
 
 
 def brute(lattice, mesh):
@@ -31,7 +15,6 @@ def brute(lattice, mesh):
     return centers, closest["distance"].reshape(lattice.shape)
 
 
-@needs_field
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
 def test_field_against_closest_points(dtype):
     lattice = bitvox.Lattice((14, 13, 12), 0.11, (-0.23, -0.22, -0.21))
@@ -55,7 +38,6 @@ def test_field_against_closest_points(dtype):
     assert found.to_numpy(vectors=True).shape == (14, 13, 12, 3)
 
 
-@needs_field
 def test_bands_windows_and_options():
     found = bitvox.field(TETRAHEDRON, resolution=24, half_width=2.0)
     assert 0 < found.band.count < np.prod(found.shape) and found.value((0, 0, 0)) in (None, 0)
@@ -71,17 +53,25 @@ def test_bands_windows_and_options():
     assert (plain.distances >= 0).all() and plain.sign == "none"
     part = bitvox.field(TETRAHEDRON, lattice=bitvox.field(TETRAHEDRON, resolution=12).lattice, window=((2, 3, 4), (5, 6, 7)))
     assert part.shape == (5, 6, 7) and part.band.low == (2, 3, 4)
-    for options in ({"half_width": 0.0}, {"half_width": float("nan")}, {"sign": "perhaps"}, {"dtype": "int8"}, {"window": ((90, 0, 0), (1, 1, 1))}):
+    for options in ({"half_width": -1.0}, {"half_width": float("nan")}, {"sign": "perhaps"}, {"dtype": "int8"}, {"window": ((90, 0, 0), (1, 1, 1))}):
         with pytest.raises(bitvox.Error):
             bitvox.field(TETRAHEDRON, resolution=12, **options)
     with pytest.raises(bitvox.Error):
         bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0).to_numpy(far="propagated")
+    whole = bitvox.field(TETRAHEDRON, resolution=12, half_width=0, padding=1)  # 0 as the program takes it
+    assert whole.half_width == np.inf and whole.shape == (14, 14, 14) and whole.band.count == 14**3
+    assert bitvox.field(TETRAHEDRON, resolution=12).shape == (18, 18, 18)  # room for a band of three
+    placed = bitvox.field(TETRAHEDRON, spacing=0.25, corner=(-1, -1, -1))
+    assert placed.lattice.corner == (-1, -1, -1) and placed.shape == (8, 8, 8)
+    for options in ({"lattice": placed.lattice, "padding": 2}, {"lattice": placed.lattice, "corner": (0, 0, 0)}):
+        with pytest.raises(bitvox.ArgumentError):
+            bitvox.field(TETRAHEDRON, **options)
+    with pytest.raises(bitvox.ArgumentError):
+        whole.surface(sharp_angle=0.5)
     far = bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0, features=True).to_numpy(far="propagated")
     assert far.max() > 1.5 * bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0).half_width
 
 
-@needs_field
-@pytest.mark.skipif(not has("bvx_write_field"), reason="this build of the library has no bvx_write_field")
 def test_field_files(tmp_path):
     found = bitvox.field(TETRAHEDRON, resolution=10)
     found.save(tmp_path / "a.npy")
@@ -93,8 +83,7 @@ def test_field_files(tmp_path):
         bitvox.dumps(found, "bvx")
 
 
-@needs_surface
-@pytest.mark.parametrize("interpolation", [None, "vector", "scalar", "middle", "paper"])
+@pytest.mark.parametrize("interpolation", ["tangent", "vector", "scalar", "middle", "paper"])
 def test_surface_of_a_field(interpolation):
     ball = bitvox.surface(ball_grid(), dtype="float64")
     surface = bitvox.field(ball, resolution=30).surface(interpolation=interpolation)
@@ -104,7 +93,6 @@ def test_surface_of_a_field(interpolation):
     assert off.mean < (0.5 if interpolation == "middle" else 0.2)
 
 
-@needs_surface
 def test_sharp_surface():
     box = box_mesh((0, 0, 0), (1, 1, 1))
     found = bitvox.field(box, resolution=10, features=True)
@@ -115,7 +103,6 @@ def test_sharp_surface():
         found.surface(sharp=True, sharp_angle=2.0)
 
 
-@needs_repair
 def test_repair(knot):
     torn = bitvox.Mesh(knot.vertices, knot.faces[150:])
     assert not torn.check().closed
@@ -125,21 +112,21 @@ def test_repair(knot):
     report = mended.report
     assert report.holes >= 1 and report.before.boundary_edges > 0 and report.after.closed and report.lattice.shape
     assert report.distance.samples == 1000 and report.distance.mean > 0
+    assert report.sign == "winding"
+    painted = bitvox.Mesh(torn.vertices, torn.faces, colours=np.tile([9, 8, 7], (torn.n_vertices, 1)))
+    carried = bitvox.repair(painted, resolution=40, carry=True)
+    assert carried.colours[:, :3].tolist() == [[9, 8, 7]] * carried.n_vertices and carried.report.after.closed
+    assert carried == bitvox.repair(torn, resolution=40)
     small = bitvox.repair(torn, resolution=80, triangles=3000)
     assert small.n_faces <= 3000 and small.check().closed
     sheet = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     assert bitvox.repair(sheet, resolution=20).check().closed
     with pytest.raises(bitvox.EmptyError):
         bitvox.repair(sheet, resolution=20, shell=0.0)
-    for options in ({"sign": "none"}, {"shell": 0.3}, {"measure_samples": 5}, {"resolution": 3, "lattice": bitvox.Lattice((4, 4, 4))}):
+    for options in ({"sign": "none"}, {"sign": "normal"}, {"shell": 0.3}, {"measure_samples": 5}, {"resolution": 3, "lattice": bitvox.Lattice((4, 4, 4))}):
         with pytest.raises(bitvox.Error):
             bitvox.repair(torn, **options)
 
 
-@pytest.mark.skipif(not has("bvx_measure_field"), reason="needs the fill rule winding")
 def test_fill_by_winding(knot):
-    try:
-        grid = bitvox.voxelize(knot, resolution=40, fill="winding")
-    except bitvox.ArgumentError:
-        pytest.skip("this build has no such rule yet")
-    assert grid == bitvox.voxelize(knot, resolution=40, fill="nonzero")
+    assert bitvox.voxelize(knot, resolution=40, fill="winding") == bitvox.voxelize(knot, resolution=40, fill="nonzero")

@@ -83,6 +83,8 @@ def test_dicom_series(tmp_path):
     zyx = ODD.transpose(2, 1, 0) * 300
     dicom_series(tmp_path, zyx, flip=True)
     (tmp_path / "README").write_text("no picture")
+    with pytest.raises(bitvox.UnsupportedError, match="read_dicom"):
+        bitvox.read(tmp_path / "001.dcm")
     grid = formats.read_dicom(tmp_path, threshold=150)
     assert grid.spacing == (0.5, 2.0, 3.0) and grid.center0 == (10.0, 20.0, 30.0)
     assert np.array_equal(grid.to_numpy(), ODD)
@@ -127,6 +129,12 @@ def test_rtstruct(tmp_path):
             one.ContourGeometricType = "CLOSED_PLANAR"
             one.ContourData = [0, 0, z, number, 0, z, number, number, z, 0, number, z]
             contours.ContourSequence.append(one)
+        for z in (0.0, 2.5) if name == "lung" else ():  # a ring: out, along a line to its hole, round it, back along the line
+            one = Dataset()
+            one.ContourGeometricType = "CLOSED_PLANAR"
+            ring = [(10, 0), (18, 0), (18, 8), (10, 8), (10, 4), (12, 4), (12, 6), (14, 6), (14, 2), (12, 2), (12, 4), (10, 4)]
+            one.ContourData = [x for p in ring for x in (*p, z)]
+            contours.ContourSequence.append(one)
         point = Dataset()
         point.ContourGeometricType, point.ContourData = "POINT", [9, 9, 9]
         contours.ContourSequence.append(point)
@@ -135,7 +143,16 @@ def test_rtstruct(tmp_path):
     data.save_as(tmp_path / "rs.dcm", enforce_file_format=True)
     sections = formats.read_rtstruct(tmp_path / "rs.dcm")
     assert sections.labels == ["heart", "lung"] and sections.positions == [0.0, 2.5] and sections.normal == (0.0, 0.0, 1.0)
-    assert len(sections.of("lung").loops) == 2 and len(sections.on(1)) == 2
+    assert len(sections.of("lung").loops) == 6 and len(sections.on(1)) == 4
+    assert sorted(len(loop.points) for loop in sections.of("lung").on(1)) == [4, 5, 5]
+    assert sections.of("lung").surface(grid=(40, 40)).check().volume == pytest.approx((64 - 8 + 4) * 2.5)
+    assert bitvox.from_sections(tmp_path / "rs.dcm", label="heart").check().volume == pytest.approx(2.5)
+    assert bitvox.read(tmp_path / "rs.dcm").labels == ["heart", "lung"]
+    with pytest.raises(bitvox.ArgumentError, match="heart"):
+        bitvox.from_sections(tmp_path / "rs.dcm")
+    (tmp_path / "no.dcm").write_bytes(b"nothing of the kind")
+    with pytest.raises(bitvox.FormatError, match="no.dcm"):
+        bitvox.from_sections(tmp_path / "no.dcm")
     assert sections.of("lung").on(1)[0].points[2].tolist() == [2.0, 2.0, 2.5]
     assert formats.read_rtstruct(tmp_path / "rs.dcm", names=["heart"]).labels == ["heart"]
     with pytest.raises(bitvox.FormatError, match="liver"):
@@ -176,12 +193,40 @@ def test_dxf(tmp_path):
         formats.read_dxf(tmp_path / "a.dxf", layers=["waste"])
     with pytest.raises(bitvox.EmptyError, match="gold"):
         formats.read_dxf(tmp_path / "a.dxf", layers=["gold"])
+    assert bitvox.read(tmp_path / "a.dxf").labels == sections.labels
+    (tmp_path / "b.dxf").write_text("nothing of the kind")
+    with pytest.raises(bitvox.FormatError, match="b.dxf"):
+        bitvox.read(tmp_path / "b.dxf")
+    with pytest.raises(FileNotFoundError):
+        bitvox.read(tmp_path / "none.dxf")
+
+
+def test_drawings_of_sections_one_by_one(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    names = [tmp_path / f"S_{i}.dxf" for i in range(3)]
+    for i, name in enumerate(names):
+        drawing = ezdxf.new()
+        drawing.modelspace().add_lwpolyline([(0, 0), (4, 0), (4, 4), (0, 4)], close=True, dxfattribs={"layer": "ore"})
+        drawing.saveas(name)
+    sections = formats.read_dxf(names, positions=[0, 10, 25])
+    assert sections.positions == [0.0, 10.0, 25.0] and sections.labels == ["ore"]
+    assert bitvox.from_sections(sections).check().volume == pytest.approx(16 * 25)
+    with pytest.raises(bitvox.ArgumentError, match="positions"):
+        formats.read_dxf(names, positions=[0, 10])
+    stacked = tmp_path / "stacked.dxf"
+    drawing = ezdxf.new()
+    for z in (0, 10, 25):
+        drawing.modelspace().add_lwpolyline([(0, 0), (4, 0), (4, 4), (0, 4)], close=True, dxfattribs={"elevation": z})
+    drawing.saveas(stacked)
+    assert bitvox.from_sections(stacked).check().volume == pytest.approx(16 * 25)
 
 
 def test_mine_sections(shared):
     pytest.importorskip("ezdxf")
-    path = shared("contours/mine_sections_dxf/S_0.dxf")
-    assert formats.read_dxf(path, close=True, tolerance=1e9).labels
+    paths = [shared(f"contours/mine_sections_dxf/S_{y}.dxf") for y in (0, 50, 100)]
+    sections = formats.read_dxf(paths, positions=(0, 50, 100), layers=["bbox"])
+    assert sections.positions == [0.0, 50.0, 100.0] and sections.labels == ["bbox"]
+    assert bitvox.from_sections(sections).check().closed
 
 
 @pytest.mark.parametrize("name", ["slice_%d.png", "stack.tif"])
@@ -224,6 +269,8 @@ def test_amf(tmp_path):
     with zipfile.ZipFile(tmp_path / "b.amf", "w") as archive:
         archive.writestr("b.amf", amf_of())
     assert bitvox.read(tmp_path / "b.amf").check().closed
+    (tmp_path / "b.amf.gz").write_bytes(gzip.compress((tmp_path / "b.amf").read_bytes()))
+    assert bitvox.read(tmp_path / "b.amf.gz").check().closed
     both = ('<constellation id="9"><instance objectid="1"/><instance objectid="1"><deltax>10</deltax><rz>90</rz></instance></constellation>')
     (tmp_path / "c.amf").write_text(amf_of(both))
     found = bitvox.read(tmp_path / "c.amf").check()

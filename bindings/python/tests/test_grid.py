@@ -47,6 +47,46 @@ def test_any_type_and_strides(dtype):
     assert np.array_equal(Grid.from_numpy(view.T, order="zyx").to_numpy(), view != 0)
 
 
+TYPES = ["?", "i1", "u1", ">i2", "u2", "<i4", ">u4", "i8", "u8", "f2", "<f4", ">f4", "f8", ">f8", "longdouble"]
+cuts = st.slices(12)
+
+
+@settings(deadline=None, max_examples=80)
+@given(st.sampled_from(TYPES), st.permutations(range(3)), st.tuples(cuts, cuts, cuts), st.sampled_from(["xyz", "zyx"]), st.sampled_from("CF"),
+       st.integers(0, 2**32 - 1), st.booleans())
+def test_any_view_of_any_type(dtype, axes, cut, order, layout, seed, frozen):
+    whole = np.random.default_rng(seed).integers(0, 3, (12, 12, 12)).astype(dtype, order=layout)
+    view = whole.transpose(axes)[cut]  # steps, backwards, any order of axes
+    view.flags.writeable = not frozen
+    if view.size == 0:
+        with pytest.raises(bitvox.ArgumentError):
+            Grid.from_numpy(view, order=order)
+        return
+    grid = Grid.from_numpy(view, order=order)
+    assert np.array_equal(grid.to_numpy(order), view != 0) and grid.count == np.count_nonzero(view)
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.sampled_from(TYPES[1:]), st.integers(1, 3), st.integers(0, 2), st.sampled_from("CF"), st.booleans())
+def test_points_of_any_type_and_strides(dtype, step, spare, layout, backwards):
+    array = np.zeros((8, 8, 8), bool)
+    array[2:5, 1:6, 3:4] = True
+    grid = Grid.from_numpy(array)
+    table = np.full((20 * step, 3 + spare), 99).astype(dtype, order=layout)
+    table[::step, spare:] = np.random.default_rng(5).integers(0, 8, (20, 3))
+    points = table[::step, spare:][:: -1 if backwards else 1]
+    plain = [[int(x) for x in p] for p in points]
+    assert grid.sample(points).tolist() == grid.sample(plain).tolist()
+    rays = np.concatenate([points, np.ones_like(points)], axis=1)
+    assert grid.cast(rays).tobytes() == grid.cast(rays.astype(float)).tobytes()
+    if np.dtype(dtype).kind in "iu":
+        empty = Grid.from_numpy(array & False)
+        assert empty.fill(points).count == 512
+    else:
+        with pytest.raises(TypeError):
+            grid.fill(points)
+
+
 def test_negative_and_read_only_arrays():
     array = np.full((3, 4, 5), -1)
     array.flags.writeable = False

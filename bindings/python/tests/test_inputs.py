@@ -64,12 +64,19 @@ def test_pyvista():
     assert data.bitvox.check().closed and data.bitvox.lod(levels=8)[0].n_cells > 0
     assert solid.bitvox.grid("set") == bitvox.voxelize((V, F), resolution=16)
     assert solid.bitvox.surface("set").is_manifold
+    field = data.bitvox.field(resolution=12)
+    assert np.array_equal(field.cell_data["distance"], bitvox.field((V, F), resolution=12).to_numpy("zyx").ravel())
+    assert bitvox.field((V, F), resolution=12).to_pyvista(vectors=True).cell_data["vector"].shape == (field.n_cells, 3)
+    middle = field.find_closest_cell((4.0, 3.0, 2.0))
+    assert field.cell_data["distance"][middle] == field.cell_data["distance"].min()
     points = pyvista.ImageData(dimensions=(4, 5, 6), spacing=(1, 2, 3), origin=(7, 8, 9))
     points.point_data["x"] = np.arange(120.0)
     grid = points.bitvox.grid("x", threshold=59.5)
     assert grid.count == 60 and grid.center0 == (7, 8, 9)
     with pytest.raises(bitvox.ArgumentError):
         points.bitvox.grid("y")
+    with pytest.raises(TypeError, match="extract_surface"):
+        bitvox.check(data.cast_to_unstructured_grid())
 
 
 def test_plot(tmp_path):

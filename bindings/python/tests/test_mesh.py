@@ -212,6 +212,21 @@ def test_float64_where_float32_is_too_coarse():
     assert bitvox.lod(grid, levels=4)[0].vertices.dtype == np.float64
 
 
+def test_a_local_frame_is_not_forgotten():
+    """What was made about a local origin lies where the world has it, for every function."""
+    far = (V + [500000.0, 5000000.0, 0.0], F)
+    grid = bitvox.voxelize(far, spacing=0.5)
+    local, world = (bitvox.surface(grid, local_frame=yes, dtype="float64") for yes in (True, False))
+    assert local.frame == grid.corner and world.frame == (0, 0, 0) and local.bounds == world.bounds
+    assert bitvox.voxelize(local, lattice=grid.lattice) == bitvox.voxelize(world, lattice=grid.lattice) == grid
+    assert local.check().low == world.check().low
+    assert bitvox.Closest(local).find([world.vertices[5]])["distance"][0] == 0.0
+    assert bitvox.compare(local, world, samples=100).max < 1e-6
+    assert bitvox.dumps(bitvox.slice_mesh(local, spacing=1.0), "csl") == bitvox.dumps(bitvox.slice_mesh(world, spacing=1.0), "csl")
+    assert bitvox.refine(local, levels=2).lattice() == bitvox.refine(world, levels=2).lattice()
+    assert bitvox.repair(local, resolution=16).content_hash() == bitvox.repair(world, resolution=16).content_hash()
+
+
 def test_colours_and_uvs():
     mesh = Mesh(V, F, colours=np.linspace(0, 1, 24).reshape(8, 3))
     assert mesh.colours.shape == (8, 4) and (mesh.colours[:, 3] == 255).all()

@@ -1,13 +1,13 @@
-"""Section contours, where the library has them."""
+"""Section contours."""
+
+import pickle
 
 import numpy as np
 import pytest
-from conftest import TETRAHEDRON, ball_grid
+from conftest import ball_grid
 
 import bitvox
-from bitvox import Loop, Sections, _native
-
-needs = pytest.mark.skipif(not hasattr(_native.lib, "bvx_build_sections"), reason="this build of the library has no bvx_build_sections")
+from bitvox import Loop, Sections
 
 SQUARE = np.array([[0.0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]])
 
@@ -16,15 +16,6 @@ def stack(count=4, step=1.5, points=SQUARE):
     return [points + [0, 0, i * step] for i in range(count)]
 
 
-@pytest.mark.skipif(hasattr(_native.lib, "bvx_build_sections"), reason="this build has them")
-def test_what_a_build_lacks_is_named(tmp_path):
-    for call in (lambda: bitvox.from_sections(stack()), lambda: bitvox.slice_mesh(TETRAHEDRON, spacing=0.1),
-                 lambda: bitvox.dumps(Sections(stack()), "csl"), lambda: bitvox.loads(b"", "csl")):
-        with pytest.raises(bitvox.UnsupportedError, match="this build"):
-            call()
-
-
-@needs
 def test_prism():
     mesh = bitvox.from_sections(stack())
     found = mesh.check()
@@ -40,12 +31,11 @@ def test_prism():
     assert turned.surface().check().volume == pytest.approx(72)
 
 
-@needs
 def test_labels_and_refusals():
     both = Sections([Loop(p, "ore") for p in stack()] + [Loop(p + [9, 0, 0], "waste") for p in stack(3)])
     assert both.surface(label="ore").check().volume == pytest.approx(72)
     assert both.surface(label="waste").check().volume == pytest.approx(48)
-    with pytest.raises(bitvox.ArgumentError):
+    with pytest.raises(bitvox.ArgumentError, match="label= one of 'ore', 'waste'"):
         both.surface()
     with pytest.raises(bitvox.ArgumentError, match="gold"):
         both.surface(label="gold")
@@ -54,12 +44,11 @@ def test_labels_and_refusals():
     crossed = SQUARE[[0, 2, 1, 3]]
     with pytest.raises(bitvox.FormatError):
         bitvox.from_sections(stack(points=crossed))
-    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"depth": 9}, {"crossings": "x"}):
+    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"subdivide": 9}, {"crossings": "x"}):
         with pytest.raises(bitvox.Error):
             bitvox.from_sections(stack(), **options)
 
 
-@needs
 def test_slices_of_a_mesh():
     ball = bitvox.surface(ball_grid(), dtype="float64")
     sections = bitvox.slice_mesh(ball, spacing=1.0)
@@ -70,6 +59,16 @@ def test_slices_of_a_mesh():
     for options in ({}, {"spacing": 1.0, "positions": [1.0]}, {"spacing": -1.0}, {"positions": []}, {"spacing": 1, "normal": (0, 0, 0)}):
         with pytest.raises(bitvox.Error):
             bitvox.slice_mesh(ball, **options)
+    across = bitvox.slice_mesh(ball, axis="x", spacing=2.0)
+    assert across.normal == (1.0, 0.0, 0.0)
+    grid = bitvox.Grid.from_numpy(ball_grid())
+    assert bitvox.dumps(bitvox.slice_mesh(grid, axis="x", spacing=2.0), "csl") == bitvox.dumps(across, "csl")
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.slice_mesh(ball, axis="x", normal=(1, 0, 0), spacing=1.0)
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.slice_mesh(ball, axis="w", spacing=1.0)
+    again = pickle.loads(pickle.dumps(sections))
+    assert bitvox.dumps(again, "csl") == bitvox.dumps(sections, "csl")
     points = sections.loops[0].points
     expected = points.copy()
     del sections
@@ -77,7 +76,6 @@ def test_slices_of_a_mesh():
     assert np.array_equal(points, expected)
 
 
-@needs
 @pytest.mark.parametrize("ending", ["csl", "csv", "csl.gz"])
 def test_files(tmp_path, ending):
     sections = Sections([Loop(p + [0.1, 0.2, 0.3], "3") for p in stack()])
@@ -94,7 +92,6 @@ def test_files(tmp_path, ending):
         bitvox.dumps(sections, "ply")
 
 
-@needs
 def test_loops_left_open_in_csv():
     lines = "section,position,loop,x,y\n" + "".join(f"{s},{s},0,{x},{y}\n" for s in (0, 1) for x, y in ((0, 0), (4, 0), (4, 4), (0, 4)))
     assert bitvox.loads(lines.encode(), "csv").surface().check().volume == pytest.approx(16)
@@ -104,7 +101,6 @@ def test_loops_left_open_in_csv():
         bitvox.loads(b"", "ply", close_gap=1.0)
 
 
-@needs
 def test_bishop(shared):
     sections = bitvox.read(shared("contours/orex_SideBishop.csl"))
     assert len(sections) == 10 and len(sections.loops) == 22

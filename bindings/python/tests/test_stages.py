@@ -1,5 +1,7 @@
 """The stages against brute force and against other libraries."""
 
+import pickle
+
 import numpy as np
 import pytest
 from conftest import TETRAHEDRON, ball_grid, box_mesh
@@ -99,9 +101,10 @@ def test_options_are_not_ignored(ball):
     for options in (
         {"mode": "thin", "fill": "parity"}, {"mode": "thin", "close_gaps": 1}, {"mode": "solid", "attached": True},
         {"fill": "parity", "close_gaps": 2}, {"fill": "vote", "base": 1.0}, {"up": "z"}, {"fill": "nonzero", "second": ball},
-        {"resolution": 8, "spacing": 1.0}, {"resolution": 8, "corner": (0, 0, 0)},
+        {"resolution": 8, "spacing": 1.0}, {"resolution": 8, "corner": (0, 0, 0)}, {"spacing": 1.0, "corner": (0, 0, 0), "padding": 1},
+        {"spacing": 1.0, "corner": (0, 0, float("inf"))}, {"spacing": 1.0, "corner": (0, 0)},
         {"lattice": bitvox.Lattice((4, 4, 4)), "resolution": 8}, {"lattice": bitvox.Lattice((4, 4, 4)), "padding": 1},
-        {"fill": "sideways"}, {"mode": "hollow"}, {"resolution": 0}, {"padding": -1}, {"resolution": 2.5, }, {"window": (1, 2, 3)},
+        {"fill": "sideways"}, {"mode": "hollow"}, {"mode": "field"}, {"resolution": 0}, {"padding": -1}, {"resolution": 2.5, }, {"window": (1, 2, 3)},
         {"fill": "flood", "window": (0, 0, 0, 2, 2, 2)}, {"threads": -1}, {"memory_limit": -5},
     ):
         with pytest.raises((bitvox.Error, TypeError)):
@@ -190,6 +193,10 @@ def test_compare_meshes(ball):
     assert bitvox.compare(ball, ball, samples=100).max < 1e-6
     with pytest.raises(TypeError):
         bitvox.compare(ball, bitvox.voxelize(ball, resolution=8))
+    grid = bitvox.voxelize(ball, resolution=8)
+    assert bitvox.compare(grid, ~grid).both == 0
+    with pytest.raises(bitvox.ArgumentError, match="meshes"):
+        bitvox.compare(grid, ~grid, samples=10)
 
 
 def test_compare_fills():
@@ -212,10 +219,13 @@ def test_seed():
 def test_refine_to_a_resolution_and_files_of_trees(knot):
     tree = bitvox.refine(knot, resolution=64)
     assert max(tree.lattice().shape) >= 64
+    two = bitvox.refine(knot, resolution=50, levels=2)
+    assert two.levels == 2 and max(two.lattice(0).shape) == 13 and max(two.lattice().shape) == 52
     data = bitvox.dumps(tree, "bvx")
     again = bitvox.loads(data, "bvx")
     assert isinstance(again, bitvox.Octree) and bitvox.dumps(again, "bvx") == data
     assert again.expand() == tree.expand()
+    assert bitvox.dumps(pickle.loads(pickle.dumps(tree)), "bvx") == data
     with pytest.raises(bitvox.FormatError):
         bitvox.loads(data[:-1], "bvx")
     with pytest.raises(bitvox.ArgumentError):
@@ -242,7 +252,7 @@ def test_octree(knot):
     assert hits["hit"][0] == 1 and hits["leaf"]["level"][0] <= 3
     assert tree.surface(states="surface,inside").content_hash() == tree.expand().surface().content_hash()
     assert b"UnstructuredGrid" in bitvox.dumps(tree, "vtu")[:400]
-    for options in ({"levels": 26}, {"outer_levels": 1}, {"tolerance": -1.0}, {"base": 0}):
+    for options in ({"levels": 26}, {"outer_levels": 1}, {"adaptive": -1.0}, {"base": 8, "resolution": 64}, {"base": 0}):
         with pytest.raises(bitvox.Error):
             bitvox.refine(knot, **options)
     with pytest.raises(bitvox.Error):
@@ -263,7 +273,8 @@ def test_render(ball):
     painted = bitvox.Mesh(ball.vertices, ball.faces, colours=np.tile([250, 10, 10], (ball.n_vertices, 1)))
     pixel = bitvox.render(painted, size=(60, 40)).pixels[20, 30]
     assert pixel[0] > 2 * pixel[1]
-    for options in ({"size": (0, 10)}, {"slices": ("w", 3)}, {"cut": {"q": 1}}, {"samples": 9}, {"colour": (1, 2)}):
+    for options in ({"size": (0, 10)}, {"slices": ("w", 3)}, {"cut": {"q": 1}}, {"samples": 9}, {"colour": (1, 2)},
+                    {"slices": ("z", 3), "from_": (1, 0, 0)}, {"slices": ("z", 3), "cut": {"x": 1}}, {"slices": ("z", 3), "smooth": True}):
         with pytest.raises(bitvox.Error):
             bitvox.render(grid, **options)
     with pytest.raises(bitvox.ArgumentError):

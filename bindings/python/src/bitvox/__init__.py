@@ -11,6 +11,8 @@ lock is free during every call. Options are keyword-only; every function takes `
 where its work can be long, and `settings` sets them for all calls.
 """
 
+from typing import Any
+
 from ._errors import (
     ArgumentError,
     Cancelled,
@@ -39,6 +41,7 @@ from ._sections import Loop, Sections, from_sections, slice_mesh
 from ._stages import (
     Closest,
     FillComparison,
+    boolean,
     carry,
     check,
     compare,
@@ -56,8 +59,20 @@ from ._stages import (
     voxelize,
 )
 
+from ._volume import Volume, read_volume
 from ._trimesh import register as register_with_trimesh
 from ._trimesh import register_if_there as _register_if_there
+
+
+
+def __getattr__(name: str) -> Any:
+    """The parts that not everybody needs are imported when they are first used."""
+    if name in ("big", "formats", "reports"):
+        import importlib
+
+        return importlib.import_module(f".{name}", __name__)
+    raise AttributeError(f"module 'bitvox' has no attribute {name!r}")
+
 
 __version__ = _version()
 _register_if_there()
@@ -65,7 +80,7 @@ _register_if_there()
 __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
-    "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Window", "Writer", "carry", "check", "compare",
+    "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean", "carry", "check", "compare",
     "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets", "find_seed", "from_sections", "loads", "lod",
-    "merge", "read", "refine", "register_with_trimesh", "render", "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "write",
+    "merge", "read", "read_volume", "refine", "register_with_trimesh", "render", "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "write",
 ]

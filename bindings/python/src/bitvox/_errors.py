@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class Error(Exception):
     """Something that the library refused or could not do.
@@ -94,7 +96,7 @@ BY_CODE: dict[int, type[Error]] = {
 }
 
 
-def need(module: str, extra: str, package: str | None = None):
+def need(module: str, extra: str, package: str | None = None) -> Any:
     """Import a module of an optional package, or say which extra brings it."""
     import importlib
 
@@ -102,4 +104,4 @@ def need(module: str, extra: str, package: str | None = None):
         return importlib.import_module(module)
     except ImportError as why:
         name = package or module.partition(".")[0]
-        raise MissingExtraError(f"this needs {name}: pip install 'bitvox[{extra}]' ({why})") from why
+        raise MissingExtraError(f"this needs {name}, which the extra bitvox[{extra}] brings: pip install {name} ({why})") from why

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
-from typing import Any
+from typing import Any, Sequence
 
 from . import _arrays as arrays
 from ._errors import ArgumentError
@@ -12,9 +13,8 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, position_type
 from ._octree import with_positions
 from ._records import record
-from ._run import Progress, Run, choice, ffi, function, lib, name_of, options_of
+from ._run import SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, options_of
 
-SIGNS = ("auto", "exact", "normal", "pseudonormal", "winding", "vote", "none")
 EDGES = ("vector", "scalar", "middle", "paper", "tangent")
 
 
@@ -65,7 +65,7 @@ class Field:
     @property
     def sign(self) -> str:
         """The rule that decided what is inside."""
-        return name_of(self._c.sign, "BVX_SIGN_", SIGNS)
+        return name_of(self._c.sign, "BVX_SIGN_", SIGN_RULES)
 
     def _values(self, pointer: Any, columns: int, dtype: str | None = None) -> Any:
         if pointer == ffi.NULL:
@@ -108,7 +108,8 @@ class Field:
         number = lib.bvx_field_value(self._c, x, y, z)
         return None if number == 2**64 - 1 else number
 
-    def to_numpy(self, order: str = "xyz", *, vectors: bool = False, far: str = "constant") -> Any:
+    def to_numpy(self, order: str = "xyz", *, vectors: bool = False, far: str = "constant", threads: int | None = None,
+                 memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Every centre of the window as float32: ``array[x, y, z]`` or, with order "zyx", ``array[z, y, x]``.
 
         Args:
@@ -122,7 +123,7 @@ class Field:
         nx, ny, nz = self.shape
         made = np.empty((nz, ny, nx, 3) if vectors else (nz, ny, nx), np.float32)
         rule = choice("far", far, "BVX_FAR_", ("constant", "propagated"))
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_field_dense(run.context, self._c, self._mesh._view(run), rule, int(bool(vectors)),
                                           ffi.cast("float *", arrays.address(made))))
         if order == "zyx":
@@ -132,10 +133,10 @@ class Field:
     def surface(
         self,
         *,
-        interpolation: str | None = None,
+        interpolation: str = "tangent",
         face_rule: str = "separate",
         sharp: bool = False,
-        sharp_angle: float = 0.8,
+        sharp_angle: float | None = None,
         dtype: Any = None,
         local_frame: bool = False,
         threads: int | None = None,
@@ -145,17 +146,23 @@ class Field:
         """The closed surface between inside and outside centres, with vertices where the field has it.
 
         Args:
-            interpolation: "vector" (closest points of both ends), "scalar" (signed distances), "middle", "paper" or, where the
-                library has it, "tangent" (planes that touch the surface). None: the library's default.
+            interpolation: "tangent" (by the planes at the closest points, nearest to the mesh), "vector" (by the line through
+                these points), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
+            face_rule, dtype, local_frame: as for `bitvox.surface`.
             sharp: cells on sharp edges and corners get a vertex there; ``sharp_angle`` is the cosine between facets that
-                still count as smooth.
-            dtype: float32 or float64; None: float32 where it can tell neighbouring positions apart.
+                still count as smooth (default 0.8).
+
+        Returns:
+            A `Mesh`; ``mesh.report`` is a `bitvox.reports.FieldSurfaceReport`.
         """
         options = options_of("field_surface_options")
-        if interpolation is not None:
-            options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
-        options.sharp, options.sharp_angle, options.local_frame = int(bool(sharp)), float(sharp_angle), int(bool(local_frame))
+        options.sharp, options.local_frame = int(bool(sharp)), int(bool(local_frame))
+        if sharp_angle is not None:
+            if not sharp:
+                raise ArgumentError("sharp_angle is taken together with sharp")
+            options.sharp_angle = float(sharp_angle)
         report = ffi.new("bvx_field_surface_report *")
         options.report = report
         extract = function("bvx_extract_field_surface")
@@ -164,8 +171,19 @@ class Field:
         made.report = record(report)
         return made
 
+    def to_pyvista(self, *, vectors: bool = False, far: str = "constant") -> Any:
+        """A pyvista.ImageData with the cell data "distance" and, with ``vectors``, "vector"; ``far`` as for `to_numpy`."""
+        from ._errors import need
+
+        pyvista, band = need("pyvista", "view"), self.band
+        image = pyvista.ImageData(dimensions=tuple(n + 1 for n in self.shape), spacing=band.spacing, origin=band.corner)
+        image.cell_data["distance"] = self.to_numpy("zyx", far=far).reshape(-1)
+        if vectors:
+            image.cell_data["vector"] = self.to_numpy("zyx", vectors=True, far=far).reshape(-1, 3)
+        return image
+
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:
-        """Write signed distances, or vectors, as .npy, .nrrd or .vti."""
+        """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd or .vti (or ``format``, in place of the ending)."""
         from ._files import write
 
         write(self, path, format=format, vectors=vectors)
@@ -180,7 +198,8 @@ def field(
     *,
     resolution: Any = None,
     spacing: Any = None,
-    padding: int = 2,
+    corner: Sequence[float] | None = None,
+    padding: int | None = None,
     lattice: Lattice | None = None,
     half_width: float = 3.0,
     sign: str = "auto",
@@ -196,23 +215,37 @@ def field(
 
     Args:
         mesh: what `Mesh.of` takes.
-        resolution, spacing, padding: as for `Lattice.fit`; or a ``lattice``.
-        half_width: of the band [largest spacings]; infinity: all centres.
-        sign: what decides that a centre is inside: "auto", "exact", "normal", "pseudonormal", "winding", "vote" or "none".
-        dtype: of the values, float32 or float64.
+        resolution, spacing, corner: as for `voxelize`; or a ``lattice``.
+        padding: empty voxels added on every side. Default: the half-width, so that the band fits (3 without a band; 0 with a
+            ``corner``).
+        half_width: of the band: centres so near to the mesh have a value [largest spacings]; 0 or infinity: all centres.
+        sign: what decides that a centre is inside: "exact" (as fill "parity"), "winding" (holes and overlaps), "vote" (holes
+            and flipped triangles), "pseudonormal", "normal" (the side of the closest place or triangle), "none", or "auto":
+            exact for closed meshes, else vote where triangles are flipped, else winding.
+        dtype: of the values, float32 or float64 (the program's ``--value-type``).
         vectors: keep the vectors to the closest points, which `Field.surface` uses.
         features: keep the closest triangles and where on them the points lie.
+        window: only this box of the lattice.
+
+    Returns:
+        A `Field`.
+
+    Raises:
+        ArgumentError: options that contradict each other. EmptyError: no triangle of area. RangeError, MemoryLimitError.
     """
     from ._stages import place
 
     measure = function("bvx_measure_field")
     options = options_of("field_options")
-    options.half_width, options.value_type = float(half_width), position_type(dtype)
-    options.sign = choice("sign", sign, "BVX_SIGN_", SIGNS)
+    width = float(half_width) or math.inf
+    options.half_width, options.value_type = width, position_type(dtype)
+    options.sign = choice("sign", sign, "BVX_SIGN_", SIGN_RULES)
     options.no_vectors, options.features = int(not vectors), int(bool(features))
     set_window("window", options.window, window)
     source = Mesh.of(mesh)
-    where = place(source, resolution, spacing, padding if lattice is None else 0, lattice)
+    if padding is None:  # room for the band around the mesh
+        padding = 0 if lattice is not None or corner is not None else math.ceil(width) if 0.0 < width < 65536.0 else 3
+    where = place(source, resolution, spacing, padding, lattice, corner)
     made = ffi.gc(ffi.new("bvx_field *"), function("bvxpy_free_field"))
     with Run(threads, memory_limit, progress) as run:
         run.check(measure(run.context, source._view(run), where._c, options, made))

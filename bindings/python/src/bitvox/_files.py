@@ -79,17 +79,20 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
     """Read a mesh or a grid.
 
     Args:
-        path: .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids), .csl .csv (sections), each also as .gz; .amf .3mf .glb and
-            other meshes that trimesh reads, with ``bitvox[formats]``. Beside .npy and .vox, FILE.json tells the lattice.
+        path: .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
+            each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .dxf (sections)
+            with ``bitvox[geo]``; the .dcm of an RTSTRUCT (sections) with ``bitvox[medical]``. Beside .npy and .vox, FILE.json
+            tells the lattice.
         format: one of these endings, in place of the name's own.
         window: of a grid: only these voxels, counted from the file's own first one.
         close_gap: of .csv: refuse loops whose ends lie further apart than this [world]; None closes every loop.
 
     Returns:
-        A `Mesh`, a `Grid` or `Sections`.
+        A `Mesh`, a `Grid`, an `Octree` or `Sections`.
 
     Raises:
-        FormatError: what is wrong with which byte or line. OSError: as `open`.
+        FormatError: what is wrong with which byte or line. UnsupportedError: no such format, or one that needs more options
+        (`bitvox.formats`). MissingExtraError: which extra reads it. OSError: as `open`.
     """
     path = os.fspath(path)
     kind = _format_of(path, format)
@@ -107,7 +110,16 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
 def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None,
           close_gap: float | None = None, threads: int | None = None,
           memory_limit: int | None = None, progress: Progress = None) -> Any:
-    """Read a mesh or a grid from the bytes of a file; ``lattice`` are those of the side-car of .npy and .vox."""
+    """Read a mesh, a grid, an octree or sections from the bytes of a file.
+
+    Args:
+        data: the bytes. format: an ending, such as "ply".
+        window, close_gap: as for `read`.
+        lattice: the bytes of the FILE.json beside .npy and .vox.
+
+    Raises:
+        FormatError: what is wrong with which byte or line. UnsupportedError: no such format.
+    """
     kind = format.lower().lstrip(".")
     held = ffi.from_buffer(data)
     if close_gap is not None and kind not in SECTION_FORMATS:
@@ -147,8 +159,17 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
 
 def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, threads: int | None = None, memory_limit: int | None = None,
           progress: Progress = None) -> bytes:
-    """The bytes of a file: a mesh as stl, obj, ply, off or glb; a grid as npy, binvox, vox, nrrd, vti or bvx; an octree as
-    vtu or bvx; a field as npy, nrrd or vti; sections as csl, csv or svg; an image as png."""
+    """The bytes of a file.
+
+    Args:
+        thing: a mesh. format: stl, obj, ply, off or glb; a `Grid`: npy, binvox, vox, nrrd, vti or bvx; an `Octree`: vtu or bvx; a
+            `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
+        states: of an octree's vtu: which leaves, ("surface", "inside") unless told.
+        vectors: of a field: vectors in place of signed distances.
+
+    Raises:
+        UnsupportedError: a format that does not hold such a thing. RangeError: sizes or numbers beyond what it holds.
+    """
     from ._field import Field
     from ._image import Image
     from ._octree import Octree, states_of
@@ -174,8 +195,15 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
             run.check(lib.bvx_write_mesh(run.context, Mesh.of(thing)._struct(run), _number(kind), out))
         else:
-            raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}")
+            raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}; {_outputs(thing)}")
     return bytes(ffi.buffer(out.bytes, out.size))
+
+
+def _outputs(thing: Any) -> str:
+    """What a thing is written as."""
+    known = {"Grid": GRID_FORMATS, "Octree": ("vtu", "bvx"), "Field": ("npy", "nrrd", "vti"), "Sections": SECTION_OUTPUTS, "Image": ("png",)}
+    endings = ", ".join(known.get(type(thing).__name__, MESH_OUTPUTS))
+    return f"take one of {endings}" + ("" if type(thing).__name__ in known else ", or to_trimesh().export(...)")
 
 
 def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False, threads: int | None = None,
@@ -213,6 +241,13 @@ class Writer:
         with bitvox.Writer("huge.bvx", lattice) as writer:
             for part in parts:          # windows of the lattice, whole in x and y, one on the other in z
                 writer.add(part)
+
+    Args:
+        path: of the file; nothing is there until all slices are given.
+        lattice: of the whole. window: the box of it that is written; None: all.
+
+    Raises:
+        ArgumentError: a part that does not begin where the last one ended; slices that were not given.
     """
 
     def __init__(self, path: str | os.PathLike[str], lattice: Any, window: WindowLike = None) -> None:
@@ -237,7 +272,7 @@ class Writer:
         return bytes(ffi.buffer(out.bytes, out.size))
 
     def add(self, part: Grid) -> None:
-        """The next slices."""
+        """The next slices: a ``part`` as wide and deep as the whole, on top of the last one."""
         if part.low[2] != self._at:
             raise ArgumentError(f"this part begins at slice {part.low[2]}; {self._at} is next")
         self._file.write(self._bytes(lambda run, out: lib.bvx_write_slices(run.context, part._c, out)))

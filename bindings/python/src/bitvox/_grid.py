@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, Sequence
 
 from . import _arrays as arrays
-from ._errors import ArgumentError, FormatError, LatticeError
-from ._lattice import Lattice, WindowLike, set_window
+from ._errors import ArgumentError, EmptyError, FormatError
+from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
-from ._run import Run, ffi, lib
+from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
 
-_AND, _OR, _XOR, _MINUS = range(4)
+if TYPE_CHECKING:
+    from .reports import Difference
+
+RULES = ("any", "all", "majority")
+DISTANCE_SIDES = ("outside", "inside", "signed")
+BEYONDS = ("nothing", "empty", "set")
+DRAIN_SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
 
 
 class Attached(NamedTuple):
@@ -34,6 +40,8 @@ class Grid:
 
     def __init__(self, lattice: Lattice, window: WindowLike = None) -> None:
         """An empty grid of a lattice, or of a window of it."""
+        if not isinstance(lattice, Lattice):
+            raise TypeError(f"lattice must be a Lattice, not {type(lattice).__name__}; Grid.from_numpy takes arrays")
         self._c = new_grid()
         self.report: Any = None
         self.attached: Attached | None = None
@@ -148,6 +156,8 @@ class Grid:
 
     def __getitem__(self, voxel: Any) -> bool:
         """Whether voxel (x, y, z) of the window is set; no negative numbers, no slices (see `to_numpy`)."""
+        if isinstance(voxel, (slice, type(...))) or (isinstance(voxel, tuple) and any(isinstance(i, (slice, type(...))) for i in voxel)):
+            raise TypeError("grid[x, y, z] tells one voxel; take to_numpy() for slices")
         x, y, z = arrays.triple("voxel", voxel, int)
         nx, ny, nz = self.shape
         if not (0 <= x < nx and 0 <= y < ny and 0 <= z < nz):
@@ -199,32 +209,31 @@ class Grid:
     def _same_place(self, other: Any) -> bool:
         return (self.low, self.shape, self.lattice) == (other.low, other.shape, other.lattice)
 
-    def _combined(self, other: Any, operation: int) -> Grid:
+    def _combined(self, other: Any, operation: Any) -> Grid:
         if not isinstance(other, Grid):
             return NotImplemented
-        if not self._same_place(other):
-            raise LatticeError(f"{self!r} and {other!r} do not share lattice and window")
-        made = Grid(self.lattice, (self.low, self.shape))
-        count = self._c.size[2] * self._c.size[1] * self._c.words_per_row
-        lib.bvxpy_combine(made._c.words, self._c.words, other._c.words, count, operation)
-        return made
+        return self._through(lambda run, made: operation(run.context, self._c, other._c, made))
+
+    def _through(self, make: Any) -> Grid:
+        made = new_grid()
+        with Run() as run:
+            run.check(make(run, made))
+        return Grid._made(made)
 
     def __or__(self, other: Any) -> Grid:
-        return self._combined(other, _OR)
+        return self._combined(other, lib.bvx_grid_union)
 
     def __and__(self, other: Any) -> Grid:
-        return self._combined(other, _AND)
+        return self._combined(other, lib.bvx_grid_intersection)
 
     def __xor__(self, other: Any) -> Grid:
-        return self._combined(other, _XOR)
+        return self._combined(other, lib.bvx_grid_xor)
 
     def __sub__(self, other: Any) -> Grid:
-        return self._combined(other, _MINUS)
+        return self._combined(other, lib.bvx_grid_subtract)
 
     def __invert__(self) -> Grid:
-        made = self._combined(self, _OR)
-        lib.bvxpy_invert(made._c)
-        return made
+        return self._through(lambda run, made: lib.bvx_grid_complement(run.context, self._c, made))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Grid):
@@ -240,16 +249,117 @@ class Grid:
     def __ge__(self, other: Any) -> bool:
         return other <= self if isinstance(other, Grid) else NotImplemented
 
+    # ---- other lattices and windows ----
+
+    def downsample(self, factor: Any, rule: str = "any") -> Grid:
+        """Blocks of voxels become voxels.
+
+        Args:
+            factor: voxels of a block along each axis, one number or three; blocks are counted from the lattice's corner.
+            rule: a block is set when "any" of its voxels are, when "all" are, or the "majority": more than half. Of blocks that
+                the window cuts only the voxels in the window count.
+
+        Returns:
+            A grid of a lattice with the same corner and ``factor`` times the spacing.
+        """
+        blocks, number = triple_of(factor), choice("rule", rule, "BVX_REDUCE_", RULES)
+        return self._through(lambda run, made: lib.bvx_grid_downsample(run.context, self._c, blocks, number, made))
+
+    def coverage(self, factor: Any) -> Any:
+        """How many voxels of each block are set: a new uint32 array ``counts[x, y, z]`` with x running fastest in memory.
+
+        Args:
+            factor: as for `downsample`, whose grid has the same shape and place.
+        """
+        np = arrays.numpy("Grid.coverage")
+        blocks, count = triple_of(factor), ffi.new("uint64_t *")
+        with Run() as run:
+            run.check(lib.bvx_grid_coverage(run.context, self._c, blocks, ffi.NULL, 0, count))
+            shape = [(low + size - 1) // n - low // n + 1 for low, size, n in zip(self.low, self.shape, blocks)]
+            counts = np.empty(shape[::-1], np.uint32)
+            pointer = ffi.cast("uint32_t *", arrays.address(counts))
+            run.check(lib.bvx_grid_coverage(run.context, self._c, blocks, pointer, counts.size, count))
+        return counts.transpose(2, 1, 0)
+
+    def content(self) -> Window | None:
+        """The least window of the lattice that holds all set voxels; None when none is set."""
+        out = ffi.new("bvx_window *")
+        with Run() as run:
+            run.check(lib.bvx_grid_content(run.context, self._c, out))
+        return Window(tuple(out.low), tuple(out.size)) if out.size[0] else None
+
+    def crop(self, window: WindowLike = None) -> Grid:
+        """The same lattice through another window.
+
+        Args:
+            window: (low, size) of the lattice, which may reach beyond the grid's own, where all is empty; None: `content`.
+
+        Raises:
+            EmptyError: no window is given and no voxel is set.
+        """
+        if window is None:
+            window = self.content()
+            if window is None:
+                raise EmptyError("no voxel is set, so there is nothing to crop to: give a window")
+        box = ffi.new("bvx_window *")
+        set_window("window", box, window)
+        return self._through(lambda run, made: lib.bvx_grid_crop(run.context, self._c, box, made))
+
+    def pad(self, low: Any, high: Any = None) -> Grid:
+        """The same voxels on a lattice that has more of them around; nothing moves in the world.
+
+        Args:
+            low: empty voxels put before the first ones along each axis, one number or three.
+            high: behind the last ones; None: as many as ``low``.
+        """
+        before = triple_of(low, "low")
+        behind = before if high is None else triple_of(high, "high")
+        return self._through(lambda run, made: lib.bvx_grid_pad(run.context, self._c, before, behind, made))
+
+    def permute(self, axes: Any = "xyz", flip: Any = ()) -> Grid:
+        """Axes changed and mirrored.
+
+        Args:
+            axes: which of the grid's axes become x, y and z: "zyx", or numbers (2, 1, 0).
+            flip: those of the result's axes that run backwards: "x", "xz", or numbers. The lattice's box is mirrored in itself.
+        """
+        order = [axis_of("axes", a) for a in axes]
+        if sorted(order) != [0, 1, 2]:
+            raise ArgumentError(f"axes are {axes!r}; they must be x, y and z in any order")
+        flips = [0, 0, 0]
+        for a in flip:
+            flips[axis_of("flip", a)] = 1
+        return self._through(lambda run, made: lib.bvx_grid_permute(run.context, self._c, order, flips, made))
+
+    def resample(self, lattice: Lattice, window: WindowLike = None) -> Grid:
+        """The same set on another lattice: a voxel is set when its centre lies in a set voxel of this grid.
+
+        Args:
+            lattice: where the result lies.
+            window: a part of it; None: all.
+        """
+        box = ffi.new("bvx_window *")
+        set_window("window", box, window)
+        return self._through(lambda run, made: lib.bvx_grid_resample(run.context, self._c, lattice._c, box, made))
+
     # ---- questions ----
 
-    def compare(self, other: Grid) -> Any:
-        """What two grids share and where they differ: a named tuple with the fields of ``bvx_grid_difference``."""
+    def compare(self, other: Grid, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Difference:
+        """What this grid and an ``other`` share and where they differ.
+
+        Returns:
+            A `bitvox.reports.Difference`.
+
+        Raises:
+            LatticeError: they do not share lattice and window.
+        """
         out = ffi.new("bvx_grid_difference *")
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_compare(run.context, self._c, other._c, out))
         return record(out)
 
-    def cast(self, rays: Any, *, t_max: float = float("inf")) -> Any:
+    def cast(self, rays: Any, *, t_max: float = float("inf"), threads: int | None = None, memory_limit: int | None = None,
+             progress: Progress = None) -> Any:
         """Where rays first meet a set voxel.
 
         Args:
@@ -261,11 +371,12 @@ class Grid:
         """
         given = arrays.numbers_in(rays, "rays", 6)
         out = ffi.new("bvx_ray_hit[]", max(1, given.count))
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_cast(run.context, self._c, ffi.cast("double *", given.pointer), given.count, t_max, out))
         return arrays.records_at(out, "bvx_ray_hit", given.count, out)
 
-    def sample(self, points: Any, *, gradients: bool = False) -> Any:
+    def sample(self, points: Any, *, gradients: bool = False, threads: int | None = None, memory_limit: int | None = None,
+               progress: Progress = None) -> Any:
         """Trilinear samples at points: 1 at the centres of set voxels, 0 at those of others and beyond the window.
 
         Args:
@@ -278,14 +389,15 @@ class Grid:
         given = arrays.numbers_in(points, "points", 3)
         values = ffi.new("double[]", max(1, given.count))
         slopes = ffi.new("double[]", max(1, 3 * given.count)) if gradients else ffi.NULL
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_sample(run.context, self._c, ffi.cast("double *", given.pointer), given.count, values, slopes))
         first = arrays.array_at(values, "float64", (given.count,), values, writable=True)
         if not gradients:
             return first
         return first, arrays.array_at(slopes, "float64", (given.count, 3), slopes, writable=True)
 
-    def fill(self, seeds: Any, *, connectivity: int = 6) -> Grid:
+    def fill(self, seeds: Any, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
+             progress: Progress = None) -> Grid:
         """All voxels that are connected with one of the seeds through empty voxels.
 
         Args:
@@ -294,14 +406,113 @@ class Grid:
         """
         given = arrays.numbers_in(seeds, "seeds", 3, "int32")
         made = new_grid()
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_fill(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, connectivity, made))
         return Grid._made(made)
+
+    # ---- growing, shrinking, distances ----
+
+    def _morphed(self, name: str, steps: int, neighbourhood: int, radius: float | None, beyond: bool) -> Grid:
+        options = options_of("morph_options")
+        options.neighbourhood = neighbourhood if radius is None else 0
+        options.steps = steps
+        options.radius = 0.0 if radius is None else radius
+        options.beyond = int(beyond)
+        made = new_grid()
+        with Run() as run:
+            run.check(getattr(lib, name)(run.context, self._c, options, made))
+        return Grid._made(made)
+
+    def dilate(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
+        """Voxels that have a set one among their neighbours, or within a ball.
+
+        All is done as in unbounded space and cut to the window; padding of the lattice makes room.
+
+        Args:
+            steps: how many times the neighbourhood is applied.
+            neighbourhood: 6 (across faces), 18 (and edges) or 26 (and corners).
+            radius: of a ball in place of the neighbourhood; centres at most so far count [world].
+            beyond: True when voxels beyond the window count as set.
+        """
+        return self._morphed("bvx_grid_dilate", steps, neighbourhood, radius, beyond)
+
+    def erode(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
+        """Voxels that have no empty one among their neighbours, or within a ball; arguments as for `dilate`."""
+        return self._morphed("bvx_grid_erode", steps, neighbourhood, radius, beyond)
+
+    def open(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
+        """Eroded, then dilated: without what is too thin; a part of the grid. Arguments as for `dilate`."""
+        return self._morphed("bvx_grid_open", steps, neighbourhood, radius, beyond)
+
+    def close(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
+        """Dilated, then eroded: with small gaps filled; the grid is a part of it. Arguments as for `dilate`."""
+        return self._morphed("bvx_grid_close", steps, neighbourhood, radius, beyond)
+
+    def hollow(self, thickness: float, *, drain: float = 0.0, drain_side: str = "z-low", drain_at: Sequence[float] | None = None,
+               beyond: bool = False) -> Grid:
+        """A shell of the body: its outer surface stays, voxels deeper than ``thickness`` become empty.
+
+        Args:
+            thickness: set voxels whose nearest empty centre is at most so far stay [world].
+            drain: radius of a round hole through the shell [world]; 0: none.
+            drain_side: where the hole comes from: "x-low", "x-high", "y-low", "y-high", "z-low" or "z-high".
+            drain_at: the other two coordinates of its axis [world]; None: through the middle of the hollow's layer nearest to that side.
+            beyond: True when voxels beyond the window count as set.
+
+        Returns:
+            A grid whose ``report`` has hollowed, drained (voxels) and drain (where the hole meets the hollow).
+        """
+        options, report = options_of("hollow_options"), ffi.new("bvx_hollow_report *")
+        options.thickness, options.drain_radius, options.beyond = thickness, drain, int(beyond)
+        options.drain_side = choice("drain_side", drain_side, "BVX_OPEN_", DRAIN_SIDES)
+        if drain_at is not None:
+            if len(drain_at) != 2:
+                raise ArgumentError(f"drain_at is {drain_at!r}; it takes two coordinates")
+            options.drain_placed = 1
+            options.drain_at[0], options.drain_at[1] = drain_at
+        options.report = report
+        made = new_grid()
+        with Run() as run:
+            run.check(lib.bvx_grid_hollow(run.context, self._c, options, made))
+        return Grid._made(made, record(report))
+
+    def distance(self, side: str = "outside", *, beyond: str = "nothing", dtype: str = "float32", squares: bool = False,
+                 nearest: bool = False) -> Any:
+        """Exact Euclidean distances between centres of voxels, an array ``[x, y, z]`` in memory with x running fastest.
+
+        Args:
+            side: "outside": of every centre to the nearest set one; "inside": to the nearest empty one; "signed": the first
+                less the second, negative on set voxels.
+            beyond: what lies beyond the window: "nothing", "empty" or "set".
+            dtype: "float32" or "float64" [world].
+            squares: whole numbers (uint32) of squared steps in place of lengths; for cubic voxels. 2^32 - 1: there is no such voxel.
+            nearest: also return where the distance is to: linear indices ``x + nx * (y + ny * z)``, uint64; 2^64 - 1: there is
+                none, or beyond the window.
+        """
+        np = arrays.numpy("Grid.distance")
+        options = options_of("distance_options")
+        options.side = choice("side", side, "BVX_DISTANCE_", DISTANCE_SIDES)
+        options.beyond = choice("beyond", beyond, "BVX_BEYOND_", BEYONDS)
+        kind = np.dtype("uint32" if squares else dtype)
+        if kind not in (np.dtype("uint32"), np.dtype("float32"), np.dtype("float64")) or (kind == np.uint32) != squares:
+            raise ArgumentError(f"dtype is {dtype!r}; it must be 'float32' or 'float64'")
+        values = np.empty(self.shape[::-1], kind)
+        places = np.empty(self.shape[::-1], np.uint64) if nearest else None
+        if places is not None:
+            options.nearest = ffi.cast("uint64_t *", places.ctypes.data)
+        with Run() as run:
+            if squares:
+                run.check(lib.bvx_grid_distance_squares(run.context, self._c, options, ffi.cast("uint32_t *", values.ctypes.data), values.size))
+            else:
+                number = lib.BVX_F32 if kind == np.float32 else lib.BVX_F64
+                run.check(lib.bvx_grid_distance(run.context, self._c, options, number, ffi.cast("void *", values.ctypes.data), values.size))
+        turned = values.transpose(2, 1, 0)
+        return (turned, places.transpose(2, 1, 0)) if places is not None else turned
 
     # ---- others ----
 
     def surface(self, **options: Any) -> Any:
-        """The closed surface; see `bitvox.surface`."""
+        """The closed surface; ``options`` are those of `bitvox.surface`."""
         from ._stages import surface
 
         return surface(self, **options)
@@ -316,7 +527,7 @@ class Grid:
         return image
 
     def plot(self, **options: Any) -> Any:
-        """Show its voxels in a window through PyVista."""
+        """Show its voxels in a window through PyVista; ``options`` are those of its ``plot``."""
         return self.to_pyvista().threshold(0.5, scalars="set").plot(**options)
 
     def _repr_png_(self) -> bytes | None:
@@ -325,7 +536,7 @@ class Grid:
         return render(self, size=(480, 360)).png() if self else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write it to a file; see `bitvox.write`."""
+        """Write it to the file ``path``, in the format of its ending or in ``format``; see `bitvox.write`."""
         from ._files import write
 
         write(self, path, format=format)
@@ -353,6 +564,16 @@ def _grid_from(lattice: Lattice, low: Any, shape: Any, data: bytes) -> Grid:
         raise FormatError(f"{len(data)} bytes are not those of a grid of shape {grid.shape}")
     ffi.memmove(grid._c.words, data, len(data))
     return grid
+
+
+def triple_of(values: Any, name: str = "factor") -> Any:
+    """Three whole numbers as the library takes them."""
+    return arrays.triple(name, in_range(name, values, -(2**31), 2**31 - 1) if isinstance(values, (int, float)) else values, int)
+
+
+def axis_of(name: str, axis: Any) -> int:
+    """0, 1 or 2 from "x", "y", "z" or the number itself."""
+    return "xyz".index(axis) if axis in ("x", "y", "z") else in_range(name, axis, 0, 2)
 
 
 def new_grid() -> Any:

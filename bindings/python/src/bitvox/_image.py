@@ -43,7 +43,7 @@ class Image:
         return np.array(self.pixels, dtype=dtype)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a PNG file."""
+        """Write a PNG file; ``path`` ends in .png."""
         from ._files import write_bytes
 
         if not os.fspath(path).lower().endswith(".png"):
@@ -65,8 +65,8 @@ def render(
     source: Any,
     *,
     size: Sequence[int] = (1024, 768),
-    from_: Sequence[float] = (3.0, -4.0, 2.0),
-    up: Sequence[float] = (0.0, 0.0, 1.0),
+    from_: Sequence[float] | None = None,
+    up: Sequence[float] | None = None,
     smooth: bool = False,
     wireframe: bool = False,
     cut: dict[str, float] | None = None,
@@ -75,7 +75,7 @@ def render(
     colour: Sequence[int] = (200, 196, 188),
     background: Sequence[int] = (255, 255, 255),
     samples: int = 2,
-    show: Sequence[float] = (0.0, 0.0),
+    show: Sequence[float] | None = None,
     slices: tuple[str, int] | None = None,
     compare: Any = None,
     threads: int | None = None,
@@ -87,9 +87,9 @@ def render(
     Args:
         source: a mesh (what `Mesh.of` takes; the colours of its vertices show) or a `Grid`.
         size: width and height in pixels.
-        from_: direction from the model to the eye (the program's ``--from``).
-        up: what is up in the picture.
-        smooth: normals averaged at vertices.
+        from_: direction from the model to the eye (the program's ``--from``). Default (3, -4, 2).
+        up: what is up in the picture. Default (0, 0, 1).
+        smooth: smooth shading in place of facets.
         wireframe: edges of triangles or voxels drawn over the surface.
         cut: take away what lies between planes and the eye: ``{"x": 0.5, "z": 1.0}`` [world].
         cut_low, cut_high: take away what lies below and above these three [world].
@@ -101,25 +101,43 @@ def render(
 
     Returns:
         An `Image`.
+
+    Raises:
+        ArgumentError: options that contradict each other. EmptyError: nothing to see. LatticeError: grids that do not share
+        lattice and window. RangeError, MemoryLimitError.
     """
     from ._grid import Grid
     from ._mesh import Mesh
 
     options = options_of("render_options")
     options.width, options.height = (in_range("size", n, 1, 16384) for n in size)
-    options.direction, options.up = arrays.triple("from_", from_), arrays.triple("up", up)
+    if slices is not None:
+        of_views = {"from_": from_, "up": up, "show": show, "cut": cut, "smooth": smooth or None, "wireframe": wireframe or None}
+        for name, value in of_views.items():
+            if value is not None:
+                raise ArgumentError(f"{name} is for views, not for slices")
+    if from_ is not None:
+        options.direction = arrays.triple("from_", from_)
+    if up is not None:
+        options.up = arrays.triple("up", up)
+    if show is not None:
+        options.show = tuple(float(x) for x in show)
     options.smooth, options.wireframe, options.samples = int(bool(smooth)), int(bool(wireframe)), in_range("samples", samples, 1, 4)
     options.colour, options.background = _colour("colour", colour), _colour("background", background)
-    options.show = tuple(float(x) for x in show)
     if cut_low is not None:
         options.cut_low = arrays.triple("cut_low", cut_low)
     if cut_high is not None:
         options.cut_high = arrays.triple("cut_high", cut_high)
+    if cut is not None and not hasattr(cut, "items"):
+        raise TypeError(f'cut must be like {{"x": 0.5}}, not {cut!r}')
     for axis, at in (cut or {}).items():
         if axis not in ("x", "y", "z"):
             raise ArgumentError(f"cut: {axis!r} is no axis; it must be x, y or z")
         i = "xyz".index(axis)
-        (options.cut_high if options.direction[i] >= 0 else options.cut_low)[i] = float(at)
+        if options.direction[i] >= 0:
+            options.cut_high[i] = min(options.cut_high[i], float(at))
+        else:
+            options.cut_low[i] = max(options.cut_low[i], float(at))
     image = ffi.gc(ffi.new("bvx_image *"), lib.bvxpy_free_image)
     with Run(threads, memory_limit, progress) as run:
         if slices is not None or compare is not None:
@@ -128,6 +146,8 @@ def render(
             if slices is not None and compare is not None:
                 raise ArgumentError("slices and compare contradict each other; give one of them")
         if slices is not None:
+            if isinstance(slices, str) or len(slices) != 2:
+                raise TypeError(f'slices must be like ("z", 12), not {slices!r}')
             axis, count = slices
             if axis not in ("x", "y", "z"):
                 raise ArgumentError(f"slices: {axis!r} is no axis; it must be x, y or z")

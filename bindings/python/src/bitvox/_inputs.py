@@ -35,6 +35,9 @@ def mesh_from(source: Any) -> Mesh:
             return take(source)
     if getattr(source, "ndim", 0) == 3:
         return Mesh(source)
+    if _has(source, "extract_surface"):
+        raise TypeError(f"{type(source).__name__} holds volumes: give its surface, extract_surface(), or for an image its voxels, "
+                        "image.bitvox.grid()")
     raise TypeError(
         f"{type(source).__name__} is no mesh: give (vertices, faces), a Mesh, or a mesh of trimesh, PyVista, Open3D or meshio"
     )
@@ -103,7 +106,7 @@ def _from_open3d(source: Any) -> Mesh:
 
 
 def _is_meshio(source: Any) -> bool:
-    return _has(source, "points", "cells", "cell_data")
+    return _has(source, "points", "cells", "cell_data") and not _has(source, "extract_surface")  # as PyVista's grids have
 
 
 def _from_meshio(source: Any) -> Mesh:

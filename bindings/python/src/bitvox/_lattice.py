@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple, Sequence, Union
 
 from ._arrays import triple
-from ._errors import ArgumentError
+from ._errors import ArgumentError, RangeError
 from ._run import Run, ffi, in_range, lib, options_of
 
 
@@ -74,10 +75,14 @@ class Lattice:
             resolution: voxels along the longest axis (cubic voxels), or three numbers, one for each axis. Default 256.
             spacing: edges of a voxel, in place of a resolution [world].
             padding: empty voxels added on every side.
-            corner: low corner of voxel (0, 0, 0), with ``spacing``, in place of the mesh's own [world].
+            corner: low corner of voxel (0, 0, 0), with ``spacing`` and without ``padding``, in place of the mesh's own [world].
         """
         from ._mesh import Mesh
 
+        if corner is not None and (spacing is None or padding):
+            raise ArgumentError("corner is taken together with spacing, and without padding")
+        if corner is not None and not all(map(math.isfinite, triple("corner", corner))):
+            raise RangeError(f"corner is {tuple(corner)}; its numbers must be finite")
         options = options_of("lattice_options")
         if spacing is not None:
             if resolution is not None:
@@ -95,18 +100,13 @@ class Lattice:
         self._c = ffi.new("bvx_lattice *")
         with Run() as run:
             run.check(lib.bvx_lattice_fit_with(run.context, source._view(run), options, self._c))
-        if corner is None:
-            return self
-        if spacing is None:
-            raise ArgumentError("corner is taken together with spacing alone")
-        import math
+        return self if corner is None else self._from_corner(triple("corner", corner))
 
-        low, high = triple("corner", corner), source.bounds[1]
-        shape = [max(1, math.ceil((b - a) / s)) for a, b, s in zip(low, high, self.spacing)]
-        if padding:
-            shape = [n + 2 * padding for n in shape]
-            low = tuple(a - padding * s for a, s in zip(low, self.spacing))  # type: ignore[assignment]
-        return cls(shape, self.spacing, low)
+    def _from_corner(self, corner: tuple[float, float, float]) -> Lattice:
+        """From a given corner up to the end of a lattice that covers a mesh."""
+        ends = (c + n * s for c, n, s in zip(self.corner, self.shape, self.spacing))
+        counts = (-math.floor((a - b) / s) for a, b, s in zip(corner, ends, self.spacing))
+        return Lattice([min(max(1, n), 2**31 - 1) for n in counts], self.spacing, corner)
 
     @property
     def shape(self) -> tuple[int, int, int]:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Sequence
+from typing import TYPE_CHECKING, Any, Sequence
 
 from . import _arrays as arrays
 from ._errors import ArgumentError, RangeError
 from ._records import record
-from ._run import Run, ffi, lib
+from ._run import Progress, Run, ffi, lib
+
+if TYPE_CHECKING:
+    from .reports import Certificate
 
 _POSITIONS = {"float32": "BVX_F32", "float64": "BVX_F64"}
 
@@ -48,6 +51,8 @@ class Mesh:
                  frame: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         if faces is None and getattr(vertices, "ndim", 0) == 3:
             vertices = vertices.reshape(-1, 3)
+        if isinstance(vertices, (Mesh, str, os.PathLike)) or hasattr(vertices, "vertices"):
+            raise TypeError(f"vertices are wanted, not a {type(vertices).__name__}: Mesh.of takes meshes and files")
         self._vertices = arrays.vertices_in(vertices)
         if faces is None:
             if len(self._vertices) % 3:
@@ -184,7 +189,8 @@ class Mesh:
     def _view(self, run: Run) -> Any:
         """A bvx_mesh_view; run keeps what it points at."""
         view = ffi.new("bvx_mesh_view *")
-        v = arrays.borrow_vertices(self._vertices)
+        v = arrays.borrow_vertices(self.in_world() if any(self.frame) else self._vertices)
+        run.keep(v.keep)
         view.positions, view.vertex_count, view.position_type, view.position_stride = v.pointer, v.count, v.kind, v.stride
         if self._faces is None:
             view.triangle_count = v.count // 3
@@ -253,17 +259,18 @@ class Mesh:
             low, high = [min(r[i] for r in rows) for i in range(3)], [max(r[i] for r in rows) for i in range(3)]
         return (tuple(float(x) + f for x, f in zip(low, self.frame)), tuple(float(x) + f for x, f in zip(high, self.frame)))
 
-    def check(self, *, weld: bool = False) -> Any:
+    def check(self, *, weld: bool = False, threads: int | None = None, memory_limit: int | None = None,
+              progress: Progress = None) -> Certificate:
         """What the mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
 
         Args:
             weld: take vertices at equal positions for one.
 
         Returns:
-            A named tuple with the fields of ``bvx_certificate`` in the C header.
+            A `bitvox.reports.Certificate`.
         """
         out = ffi.new("bvx_certificate *")
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_mesh_check(run.context, self._view(run), int(bool(weld)), out))
         return record(out)
 
@@ -342,7 +349,7 @@ class Mesh:
         return render(self, size=(480, 360)).png() if self.n_faces else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write it to a file; see `bitvox.write`."""
+        """Write it to the file ``path``, in the format of its ending or in ``format``; see `bitvox.write`."""
         from ._files import write
 
         write(self, path, format=format)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterable, Union
+from typing import TYPE_CHECKING, Any, Iterable, Union
 
 from . import _arrays as arrays
 from ._errors import ArgumentError
@@ -12,6 +12,9 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
+
+if TYPE_CHECKING:
+    from .reports import OctreeLevel
 
 STATES = ("outside", "inside", "surface")
 _DIRECTIONS = ("-x", "-y", "-z", "+x", "+y", "+z")
@@ -59,8 +62,8 @@ class Octree:
     def _level(self, level: int | None) -> int:
         return self.levels if level is None else in_range("level", level, 0, self.levels)
 
-    def counts(self) -> list[Any]:
-        """Counts of each level: voxels, split, surface, inside, outside, bytes."""
+    def counts(self) -> list[OctreeLevel]:
+        """Counts of each level (`bitvox.reports.OctreeLevel`): voxels, split, surface, inside, outside, bytes."""
         n = self.levels + 1
         out = ffi.new("bvx_octree_level[]", n)
         with Run() as run:
@@ -84,7 +87,7 @@ class Octree:
         return arrays.records_at(out, "bvx_octree_leaf", given.count, out)
 
     def neighbours(self, leaf: Any, direction: str) -> Any:
-        """The leaves that share a face with a leaf (one record), towards "-x", "-y", "-z", "+x", "+y" or "+z"."""
+        """The leaves that share a face with a ``leaf`` (one record), in the ``direction`` "-x", "-y", "-z", "+x", "+y" or "+z"."""
         if direction not in _DIRECTIONS:
             raise ArgumentError(f"direction is {direction!r}; it must be one of {', '.join(_DIRECTIONS)}")
         one = ffi.new("bvx_octree_leaf *", {"ijk": [int(x) for x in leaf["ijk"]], "level": int(leaf["level"]), "state": int(leaf["state"])})
@@ -96,11 +99,21 @@ class Octree:
             run.check(lib.bvx_octree_neighbours(run.context, self._c, one, side, out, count[0], count))
         return arrays.records_at(out, "bvx_octree_leaf", count[0], out)
 
-    def cast(self, rays: Any, *, states: States = None, t_max: float = float("inf")) -> Any:
-        """Where rays (n, 6) first meet a leaf in a set of states: records with t, position [world], leaf, axis, hit."""
+    def cast(self, rays: Any, *, states: States = None, t_max: float = float("inf"), threads: int | None = None,
+             memory_limit: int | None = None, progress: Progress = None) -> Any:
+        """Where rays first meet a leaf in a set of states.
+
+        Args:
+            rays: (n, 6) origin and direction, of any length but 0 [world].
+            states: ("surface", "inside") unless told.
+            t_max: hits have ``0 <= t <= t_max``, position = origin + t * direction.
+
+        Returns:
+            A record array of n hits with t, position [world], leaf, axis (-1: the ray starts inside), hit (0 or 1).
+        """
         given = arrays.numbers_in(rays, "rays", 6)
         out = ffi.new("bvx_octree_hit[]", max(1, given.count))
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_octree_cast(run.context, self._c, states_of(states), ffi.cast("double *", given.pointer), given.count, t_max, out))
         return arrays.records_at(out, "bvx_octree_hit", given.count, out)
 
@@ -113,29 +126,48 @@ class Octree:
             run.check(lib.bvx_octree_leaves(run.context, self._c, states_of(states), out, count[0], count))
         return arrays.records_at(out, "bvx_octree_leaf", count[0], out)
 
-    def expand(self, level: int | None = None, *, states: States = None, window: WindowLike = None) -> Grid:
-        """The voxels of one level (None: the last), in a set of states, as a grid."""
+    def expand(self, level: int | None = None, *, states: States = None, window: WindowLike = None, threads: int | None = None,
+               memory_limit: int | None = None, progress: Progress = None) -> Grid:
+        """The voxels of one level as a grid.
+
+        Args:
+            level: None: the last.
+            states: which leaves count, ("surface", "inside") unless told.
+            window: only this box of the level's lattice.
+        """
         made = new_grid()
         box = ffi.new("bvx_window *")
         set_window("window", box, window)
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_octree_expand(run.context, self._c, self._level(level), states_of(states), box, made))
         return Grid._made(made)
 
     def surface(self, *, states: States = None, dtype: Any = None, face_rule: str = "separate", local_frame: bool = False,
-                keys: bool = False) -> Mesh:
-        """The closed surface of the last level's voxels in a set of states; see `bitvox.surface` for the options."""
+                keys: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+        """The closed surface of the last level's voxels in a set of states.
+
+        Args:
+            states: ("surface", "inside") unless told.
+            dtype, face_rule, local_frame, keys: as for `bitvox.surface`.
+        """
         options = options_of("extract_options")
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
         options.local_frame, options.keys = int(bool(local_frame)), int(bool(keys))
         return with_positions(
-            options, dtype, lambda run, made: lib.bvx_extract_octree(run.context, self._c, states_of(states), options, made))
+            options, dtype, lambda run, made: lib.bvx_extract_octree(run.context, self._c, states_of(states), options, made),
+            threads=threads, memory_limit=memory_limit, progress=progress)
 
     def save(self, path: str | os.PathLike[str], *, states: States = None) -> None:
-        """Write a VTK unstructured grid (.vtu) of the leaves in a set of states."""
+        """Write to ``path`` the whole octree (.bvx, which `bitvox.read` reads), or a VTK unstructured grid (.vtu) of the leaves
+        in a set of states."""
         from ._files import write
 
         write(self, path, states=states)
+
+    def __reduce__(self) -> Any:
+        from ._files import dumps, loads
+
+        return loads, (dumps(self, "bvx"), "bvx")
 
     def __repr__(self) -> str:
         counts = self.counts()
@@ -156,24 +188,29 @@ def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
     return Mesh._made(made)
 
 
-def _base_of(run: Run, source: Mesh, base: Any, resolution: int | None, options: Any) -> Lattice:
-    """The lattice of level 0; with a resolution the library chooses it and sets the options' levels."""
+def _base_of(run: Run, source: Mesh, base: Any, levels: int | None, resolution: int | None, options: Any) -> Lattice:
+    """The lattice of level 0; with a resolution alone the library chooses it and sets the options' levels."""
+    if isinstance(base, Lattice):
+        return base
     if resolution is None:
-        return Lattice.fit(source, resolution=base)
+        return Lattice.fit(source, resolution=8 if base is None else base)
+    finest = in_range("resolution", resolution, 1, 1 << 25)
+    if levels is not None:
+        return Lattice.fit(source, resolution=-(-finest // 2**levels))
     chosen = ffi.new("bvx_lattice *")
-    run.check(lib.bvx_refine_choose(run.context, source._view(run), in_range("resolution", resolution, 1, 1 << 25), options, chosen))
+    run.check(lib.bvx_refine_choose(run.context, source._view(run), finest, options, chosen))
     return Lattice._of(chosen)
 
 
 def refine(
     mesh: Any,
     *,
-    base: Any = 8,
-    levels: int = 6,
+    base: Any = None,
+    levels: int | None = None,
     resolution: int | None = None,
     window: WindowLike = None,
     outer_levels: int | None = None,
-    tolerance: float = 0.0,
+    adaptive: float = 0.0,
     start_level: int = -1,
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -183,22 +220,26 @@ def refine(
 
     Args:
         mesh: what `Mesh.of` takes.
-        base: voxels along the longest axis before any is halved, or the `Lattice` of level 0.
-        levels: how many times voxels that triangles touch are halved.
-        resolution: voxels of the last level along the longest axis, at least; base and levels are then chosen for least time.
-        window: voxels of the last level; beyond it voxels are halved ``outer_levels`` times only.
-        tolerance: a voxel whose triangles lie within this distance of one plane is not halved [world].
+        base: voxels along the longest axis before any is halved, or the `Lattice` of level 0. Default 8.
+        levels: how many times voxels that triangles touch are halved. Default 6; with ``resolution``: as it takes least time.
+        resolution: voxels of the last level along the longest axis, at least, in place of ``base``.
+        window: voxels of the last level; beyond it voxels are halved ``outer_levels`` times only (default 0).
+        adaptive: a voxel whose triangles lie within this distance of one plane is not halved; 0: all are [world].
         start_level: levels up to this one come from one grid; -1 chooses. Shows in time and memory only.
 
     Returns:
-        An `Octree`.
+        An `Octree`. Expanded at its last level it has the bits of ``voxelize(mode="conservative")`` there and of what a flood
+        from outside does not reach.
+
+    Raises:
+        ArgumentError: options that contradict each other. EmptyError: no triangles. RangeError, MemoryLimitError.
     """
-    if resolution is not None and isinstance(base, Lattice):
-        raise ArgumentError("resolution chooses the base; give one of the two")
+    if resolution is not None and base is not None:
+        raise ArgumentError("resolution and base contradict each other; give one of them")
     options = options_of("refine_options")
-    options.levels = in_range("levels", levels, 0, 25)
+    options.levels = 6 if levels is None else in_range("levels", levels, 0, 25)
     options.start_level = in_range("start_level", start_level, -1, 25)
-    options.tolerance = float(tolerance)
+    options.tolerance = float(adaptive)
     set_window("window", options.window, window)
     if outer_levels is not None:
         if window is None:
@@ -207,6 +248,6 @@ def refine(
     source = Mesh.of(mesh)
     out = ffi.new("bvx_octree **")
     with Run(threads, memory_limit, progress) as run:
-        lattice = base if isinstance(base, Lattice) else _base_of(run, source, base, resolution, options)
+        lattice = _base_of(run, source, base, levels, resolution, options)
         run.check(lib.bvx_refine(run.context, source._view(run), lattice._c, options, out))
     return Octree(ffi.gc(out[0], lib.bvxpy_free_octree))

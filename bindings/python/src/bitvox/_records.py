@@ -1,49 +1,11 @@
-"""Plain reports: C structs as named tuples with the fields of the header."""
+"""C structs that calls fill, as the named tuples of `bitvox.reports`."""
 
 from __future__ import annotations
 
-from collections import namedtuple
 from typing import Any
 
 from ._arrays import plain
-from ._run import ffi
-
-_NAMES = {
-    "bvx_certificate": "Certificate",
-    "bvx_distance_report": "Distances",
-    "bvx_grid_difference": "Difference",
-    "bvx_solid_report": "SolidReport",
-    "bvx_fill_comparison": "FillComparison",
-    "bvx_seed": "Seed",
-    "bvx_surface_report": "SurfaceReport",
-    "bvx_octree_level": "OctreeLevel",
-    "bvx_octree_leaf": "OctreeLeaf",
-    "bvx_field_surface_report": "FieldSurfaceReport",
-    "bvx_lod_report": "LodReport",
-    "bvx_repair_report": "RepairReport",
-    "bvx_sections_report": "SectionsReport",
-}
-_YES_NO = {"closed", "edge_manifold", "vertex_manifold", "oriented", "exceeds_source", "found", "verified", "flood_leaked",
-           "shelled"}
-
-
-def __getattr__(name: str) -> Any:
-    for kind, known in _NAMES.items():
-        if known == name:
-            return type_of(kind)
-    raise AttributeError(name)
-
-
-def type_of(kind: str) -> Any:
-    """The named tuple for a C struct: its fields but for reserved ones."""
-    name = _NAMES[kind]
-    if name not in globals():
-        fields = [field for field, _ in ffi.typeof(kind).fields if not field.startswith("reserved")]
-        made = namedtuple(name, fields)  # type: ignore[misc]
-        made.__module__ = __name__
-        made.__doc__ = f"``{kind}`` of the C header, which tells what each field means."
-        globals()[name] = made
-    return globals()[name]
+from ._run import SIGN_RULES, ffi, name_of
 
 
 def _plain_name(kind: Any) -> str:
@@ -51,15 +13,19 @@ def _plain_name(kind: Any) -> str:
 
 
 def record(struct: Any) -> Any:
-    """A struct's values; what is 0 or 1 becomes a bool."""
+    """A struct's values; what is 0 or 1 becomes a bool, a rule's number its name."""
+    from . import reports
+
     kind = ffi.typeof(struct)
-    made = type_of(_plain_name(kind.item if kind.kind == "pointer" else kind))
-    return made(*(_value(field, getattr(struct, field)) for field in made._fields))
+    made = reports.BY_STRUCT[_plain_name(kind.item if kind.kind == "pointer" else kind)]
+    return made(*(_value(wanted, getattr(struct, field)) for field, wanted in made.__annotations__.items()))
 
 
-def _value(field: str, value: Any) -> Any:
-    if field in _YES_NO:
+def _value(wanted: Any, value: Any) -> Any:
+    if wanted is bool:
         return bool(value)
+    if wanted is str:
+        return name_of(value, "BVX_SIGN_", SIGN_RULES)
     if isinstance(value, ffi.CData) and ffi.typeof(value).kind == "struct":
         if _plain_name(ffi.typeof(value)) == "bvx_lattice":
             from ._lattice import Lattice

@@ -145,7 +145,10 @@ class Run:
         self.kept.append(things)
 
     def message(self) -> str:
-        return ffi.string(lib.bvx_last_message(self.context)).decode("utf-8", "replace")
+        """What was wrong, without the name of the C function before it."""
+        text = ffi.string(lib.bvx_last_message(self.context)).decode("utf-8", "replace")
+        name, colon, words = text.partition(": ")
+        return words if colon and name.startswith("bvx_") and name.isidentifier() else text
 
     def check(self, status: int) -> None:
         """Raise what a status other than 0 stands for."""
@@ -215,6 +218,9 @@ def name_of(value: int, prefix: str, names: tuple[str, ...]) -> str:
         if getattr(lib, prefix + name.upper().replace("-", "_"), None) == value:
             return name
     return str(value)
+
+
+SIGN_RULES = ("auto", "exact", "normal", "pseudonormal", "winding", "vote", "none")
 
 
 def version() -> str:

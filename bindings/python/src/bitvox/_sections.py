@@ -25,7 +25,9 @@ class Loop(NamedTuple):
 
 
 class Sections:
-    """Closed contours on parallel planes: what .csl and .csv, DICOM RTSTRUCT and DXF files hold, and `slice_mesh` makes.
+    """Closed contours on parallel planes: what .csl, .csv, .dxf and DICOM RTSTRUCT files hold, and `slice_mesh` makes.
+
+    ``positions`` are the planes, ascending: point . normal [world]; ``section_of`` tells the plane of each of ``loops``.
 
     Loops inside loops are holes, in these islands, and so on; in any order and direction.
 
@@ -69,7 +71,7 @@ class Sections:
         return list(dict.fromkeys(loop.label for loop in self.loops))
 
     def of(self, label: str) -> Sections:
-        """The loops of one body."""
+        """The loops of the body with this ``label``."""
         made = Sections.__new__(Sections)
         chosen = [i for i, loop in enumerate(self.loops) if loop.label == label]
         if not chosen:
@@ -79,7 +81,7 @@ class Sections:
         return made
 
     def on(self, section: int) -> list[Loop]:
-        """The loops on one plane, by its number in ``positions``."""
+        """The loops on one plane; ``section`` is its number in ``positions``."""
         return [loop for loop, at in zip(self.loops, self.section_of) if at == section]
 
     def _numbers(self) -> dict[str, int]:
@@ -127,11 +129,11 @@ class Sections:
         return self
 
     def surface(self, **options: Any) -> Mesh:
-        """The closed surface through all contours; see `from_sections`."""
+        """The closed surface through all contours; ``options`` are those of `from_sections`."""
         return from_sections(self, **options)
 
     def save(self, path: Any, format: str | None = None) -> None:
-        """Write .csl, .csv (planes z = position) or .svg (a drawing)."""
+        """Write to ``path``, by its ending or ``format``: .csl, .csv (planes z = position) or .svg (a drawing)."""
         from ._files import write
 
         write(self, path, format=format)
@@ -171,8 +173,20 @@ def _stack_of(source: Any) -> Sections:
 
     found = read(source)
     if not isinstance(found, Sections):
-        raise ArgumentError(f"{os.fspath(source)} holds no contours; .csl and .csv do")
+        raise ArgumentError(f"{os.fspath(source)} holds no contours; .csl, .csv, .dxf and RTSTRUCT's .dcm do")
     return found
+
+
+def _mesh_to_cut(source: Any, limits: dict[str, Any]) -> Mesh:
+    """A mesh; a grid becomes its surface."""
+    from ._grid import Grid
+    from ._stages import surface
+
+    if isinstance(source, (str, os.PathLike)):
+        from ._files import read
+
+        source = read(source)
+    return surface(source, dtype="float64", **limits) if isinstance(source, Grid) else Mesh.of(source)
 
 
 def from_sections(
@@ -183,7 +197,7 @@ def from_sections(
     layers: int = 1,
     caps: str = "flat",
     crossings: str = "exact",
-    depth: int | None = None,
+    subdivide: int | None = None,
     label: str | None = None,
     dtype: Any = "float64",
     threads: int | None = None,
@@ -193,21 +207,25 @@ def from_sections(
     """The closed surface of a body through all of its section contours.
 
     Args:
-        sections: `Sections`, the path of a ``.csl`` or ``.csv`` file, or loops (n, 3) on planes across z.
+        sections: `Sections`, a file (``.csl``, ``.csv``, ``.dxf``, a DICOM RTSTRUCT's ``.dcm``), or loops (n, 3) on planes
+            across z.
         grid: cells along the planes' two axes, or ``spacing``: the side of a square cell [world]. Default: twice the mean length
             of the contours' segments.
         layers: cells from section to section.
-        caps: how the body ends: "flat", "taper" or "open".
-        crossings: "exact" (all of the contour is in the mesh), "paper" or "classic".
-        depth: a cell is halved at most this often where a contour needs it.
+        caps: how the body ends: "flat" on the first and the last section, "taper" to a ridge half a spacing beyond, or "open".
+        crossings: on the planes: "exact" (by the contours themselves, all of whose points become vertices), "paper" (by
+            interpolated distances with the contours' points put in) or "classic" (marching cubes).
+        subdivide: a cell that a contour crosses twice on a side is halved at most this often. Default 5.
         label: which body, when there are several.
-        dtype: float64 keeps the contours' points; float32.
+        dtype: float64 keeps the contours' points; float32 rounds them.
 
     Returns:
-        A `Mesh`; ``mesh.report`` has the fields of ``bvx_sections_report``.
+        A `Mesh`; ``mesh.report`` is a `bitvox.reports.SectionsReport`.
 
     Raises:
         FormatError: loops that cross or touch, points off their plane: section, loop and point are named.
+        EmptyError: no loop, or sections at one position alone. ArgumentError: several bodies and no ``label``; options that
+        contradict each other. RangeError, MemoryLimitError.
     """
     build = function("bvx_build_sections")
     given = _stack_of(sections)
@@ -223,8 +241,10 @@ def from_sections(
     options.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
-    if depth is not None:
-        options.depth = in_range("depth", depth, 0, 8)
+    if subdivide is not None:
+        options.depth = in_range("subdivide", subdivide, 0, 8)
+    if label is None and len(given.labels) > 1:
+        raise ArgumentError(f"there are several bodies; give label= one of {', '.join(map(repr, given.labels))}")
     if label is not None:
         numbers = given._numbers()
         if label not in numbers:
@@ -241,22 +261,34 @@ def from_sections(
     return mesh
 
 
-def slice_mesh(mesh: Any, *, normal: Sequence[float] = (0.0, 0.0, 1.0), spacing: float | None = None,
+def slice_mesh(mesh: Any, *, axis: str | None = None, normal: Sequence[float] | None = None, spacing: float | None = None,
                positions: Sequence[float] | None = None, label: int = 1, threads: int | None = None,
                memory_limit: int | None = None, progress: Progress = None) -> Sections:
-    """The contours of a closed mesh on parallel planes.
+    """The contours of a closed mesh, or of a grid's surface, on parallel planes: exact.
 
     Args:
-        mesh: what `Mesh.of` takes.
-        normal: of the planes. spacing: from plane to plane, the first half of it above the lowest point [world].
+        mesh: what `Mesh.of` takes, a `Grid`, or the file of one of them.
+        axis: planes lie across "x", "y" or "z" (the default), or across a ``normal``.
+        spacing: from plane to plane; the first lies half of it above the lowest point [world].
         positions: the planes in place of a spacing, ascending: point . normal / |normal| [world].
         label: a number that all loops get.
+
+    Returns:
+        `Sections`; loops run with the inside on their left, seen against the normal.
+
+    Raises:
+        FormatError: the mesh is open where a plane meets it. EmptyError: no plane meets it. ArgumentError, RangeError,
+        MemoryLimitError.
     """
     cut = function("bvx_slice_mesh")
     options = options_of("slice_options")
     if (spacing is None) == (positions is None):
         raise ArgumentError("give spacing or positions")
-    options.normal = arrays.triple("normal", normal)
+    if axis is not None and normal is not None:
+        raise ArgumentError("axis and normal contradict each other; give one of them")
+    if axis not in (None, "x", "y", "z"):
+        raise ArgumentError(f"axis is {axis!r}; it must be x, y or z")
+    options.normal = [float(a == (axis or "z")) for a in "xyz"] if normal is None else arrays.triple("normal", normal)
     if spacing is not None:
         options.spacing = float(spacing)
     held = None
@@ -265,8 +297,10 @@ def slice_mesh(mesh: Any, *, normal: Sequence[float] = (0.0, 0.0, 1.0), spacing:
         options.positions, options.position_count = held, len(positions)
     options.label = in_range("label", label, -(2**31) + 1, 2**31 - 1)
     made = new_sections()
-    with Run(threads, memory_limit, progress) as run:
-        run.check(cut(run.context, Mesh.of(mesh)._view(run), options, made))
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+    source = _mesh_to_cut(mesh, limits)
+    with Run(**limits) as run:
+        run.check(cut(run.context, source._view(run), options, made))
     del held
     return Sections._made(made)
 

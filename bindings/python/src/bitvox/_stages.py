@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterable, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._errors import ArgumentError
-from ._field import EDGES, SIGNS
+from ._field import EDGES
 from ._grid import Attached, Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh, position_type
@@ -14,6 +14,10 @@ from ._octree import with_positions
 from ._records import record
 from ._run import Progress, Run, choice, ffi, function, in_range, lib, options_of
 
+if TYPE_CHECKING:
+    from .reports import Certificate, Difference, Distances, Seed
+
+OPERATIONS = ("union", "intersection", "difference", "xor")
 FILLS = ("parity", "nonzero", "vote", "flood", "regions", "below", "winding")
 MODES = ("solid", "conservative", "thin", "sampled")
 SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
@@ -58,7 +62,7 @@ def voxelize(
         mesh: what `Mesh.of` takes: (vertices, faces), a mesh of trimesh, PyVista, Open3D or meshio, a file's name.
         resolution: voxels along the longest axis, or three numbers, one for each axis. Default 256.
         spacing: edges of a voxel, one number or three, in place of a resolution [world].
-        corner: low corner of voxel (0, 0, 0), with ``spacing`` (the program's ``--origin``) [world].
+        corner: low corner of voxel (0, 0, 0), with ``spacing`` and without ``padding`` (the program's ``--origin``) [world].
         padding: empty voxels added on every side.
         lattice: a `Lattice` to work on, in place of all these.
         window: only this box of the lattice: (low, size) or (x0, y0, z0, x1, y1, z1).
@@ -75,7 +79,7 @@ def voxelize(
         attached: surface modes: keep the triangles that touch each voxel in ``grid.attached``.
 
     Returns:
-        A `Grid`; ``grid.report`` has the counts of the C header's ``bvx_solid_report`` or ``bvx_surface_report``.
+        A `Grid`; ``grid.report`` is a `bitvox.reports.SolidReport` or a `bitvox.reports.SurfaceReport`.
 
     Raises:
         ArgumentError: options that contradict each other, or that the mode or the rule does not take.
@@ -123,6 +127,8 @@ def voxelize(
 def choice_of_mode(mode: str) -> str:
     """The mode's plain name, or an error."""
     plain = mode.lower() if isinstance(mode, str) else mode
+    if plain == "field":
+        raise ArgumentError("distances are measured by bitvox.field, not by a mode of voxelize")
     if plain not in MODES:
         raise ArgumentError(f"mode is {mode!r}; it must be one of {', '.join(MODES)}")
     return plain
@@ -163,7 +169,7 @@ def compare_fills(mesh: Any, *, resolution: Any = None, spacing: Any = None, pad
         mesh, resolution, spacing, padding, lattice, close_gaps: as for `voxelize`.
 
     Returns:
-        ``counts`` (fields of ``bvx_fill_comparison``; ``counts.set`` by rule), ``disagreeing`` and ``lost`` as grids.
+        ``counts`` (`bitvox.reports.FillComparison`; ``counts.set`` by rule), ``disagreeing`` and ``lost`` as grids.
     """
     source = Mesh.of(mesh)
     where = place(source, resolution, spacing, padding, lattice)
@@ -177,7 +183,7 @@ def compare_fills(mesh: Any, *, resolution: Any = None, spacing: Any = None, pad
 
 
 def find_seed(surface: Grid, mesh: Any = None, *, limit: int = 0, threads: int | None = None, memory_limit: int | None = None,
-              progress: Progress = None) -> Any:
+              progress: Progress = None) -> Seed:
     """One voxel inside a surface, found by scanning lines of voxels.
 
     Args:
@@ -186,7 +192,7 @@ def find_seed(surface: Grid, mesh: Any = None, *, limit: int = 0, threads: int |
         limit: most lines to scan; 0: all that there are.
 
     Returns:
-        A named tuple with the fields of ``bvx_seed``; ``found`` False is no error.
+        A `bitvox.reports.Seed`; ``found`` False is no error.
     """
     out = ffi.new("bvx_seed *")
     with Run(threads, memory_limit, progress) as run:
@@ -250,7 +256,7 @@ def surface(
 
 
 def surface_counts(grid: Grid, *, face_rule: str = "separate") -> tuple[int, int]:
-    """Vertices and triangles that `surface` would make, without making them."""
+    """Vertices and triangles that `surface` would make of a ``grid`` by a ``face_rule``, without making them."""
     return _counts(lib.bvx_extract_count, grid, "extract_options", lambda o: setattr(
         o, "face_rule", choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))))
 
@@ -272,7 +278,7 @@ def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bo
 
 
 def faces_counts(grid: Grid, *, merge: bool = False) -> tuple[int, int]:
-    """Vertices and triangles that `faces` would make."""
+    """Vertices and triangles that `faces` would make of a ``grid``, with ``merge`` or without."""
     return _counts(lib.bvx_faces_count, grid, "faces_options", lambda o: setattr(o, "merged", int(bool(merge))))
 
 
@@ -347,7 +353,11 @@ def lod(
         carry: give each level the colours and texture coordinates of the nearest points on the mesh.
 
     Returns:
-        One `Mesh` a level, each with ``report``: the fields of ``bvx_lod_report``.
+        One `Mesh` a level, each with a ``report``: `bitvox.reports.LodReport`.
+
+    Raises:
+        ArgumentError: options that contradict each other. EmptyError: nothing inside. RangeError: a level finer than the
+        voxels; coordinates. MemoryLimitError.
     """
     if levels is not None and triangles is not None:
         raise ArgumentError("levels and triangles contradict each other; give one of them")
@@ -471,7 +481,7 @@ def carried(source: Mesh, target: Any, limits: dict[str, Any]) -> None:
         run.check(lib.bvx_mesh_carry(run.context, source._struct(run), target))
 
 
-def carry(source: Any, target: Mesh, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+def carry(source: Any, target: Any, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
     """The target with the colours and texture coordinates of the source's nearest points.
 
     Args:
@@ -496,7 +506,11 @@ def carry(source: Any, target: Mesh, *, threads: int | None = None, memory_limit
     return made
 
 
-def check(mesh: Any, *, weld: bool = False) -> Any:
+carry_over = carry  # for functions that have an option of this name
+
+
+def check(mesh: Any, *, weld: bool = False, threads: int | None = None, memory_limit: int | None = None,
+          progress: Progress = None) -> Certificate:
     """What a mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
 
     Args:
@@ -504,33 +518,41 @@ def check(mesh: Any, *, weld: bool = False) -> Any:
         weld: take vertices at equal positions for one.
 
     Returns:
-        A named tuple with the fields of ``bvx_certificate`` in the C header.
+        A `bitvox.reports.Certificate`.
+
+    Raises:
+        RangeError: a coordinate that is not finite, a vertex number that is not there: the first one is named.
     """
-    return Mesh.of(mesh).check(weld=weld)
+    return Mesh.of(mesh).check(weld=weld, threads=threads, memory_limit=memory_limit, progress=progress)
 
 
-def compare(a: Any, b: Any, *, samples: int = 20000, seed: int = 1, threads: int | None = None, memory_limit: int | None = None,
-            progress: Progress = None) -> Any:
+def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = None, threads: int | None = None,
+            memory_limit: int | None = None, progress: Progress = None) -> Difference | Distances:
     """Two grids: what they share and where they differ. Two meshes: distances both ways, from random points.
 
     Args:
         a, b: two `Grid` of one lattice and window, or two meshes (what `Mesh.of` takes).
-        samples: points on each mesh. seed: another seed, other points.
+        samples: points on each mesh. Default 20000. seed: another seed, other points. Both are for meshes.
 
     Returns:
-        A named tuple with the fields of ``bvx_grid_difference`` or of ``bvx_distance_report``.
+        `bitvox.reports.Difference` for grids, `bitvox.reports.Distances` for meshes.
+
+    Raises:
+        LatticeError: grids that do not share lattice and window. EmptyError: a mesh without triangles. TypeError: a grid and a
+        mesh. RangeError: coordinates.
     """
     if isinstance(a, Grid) and isinstance(b, Grid):
-        return a.compare(b)
+        if samples is not None or seed is not None:
+            raise ArgumentError("samples and seed are for meshes; grids are compared voxel by voxel")
+        return a.compare(b, threads=threads, memory_limit=memory_limit, progress=progress)
     if isinstance(a, Grid) or isinstance(b, Grid):
         raise TypeError("a grid is compared with a grid, a mesh with a mesh")
     first, second = Mesh.of(a), Mesh.of(b)
-    if first.frame != second.frame:
-        first, second = Mesh(first.in_world(), first.faces), Mesh(second.in_world(), second.faces)
+    points, start = 20000 if samples is None else samples, 1 if seed is None else seed
     out = ffi.new("bvx_distance_report *")
     with Run(threads, memory_limit, progress) as run:
         run.check(lib.bvx_mesh_distance(run.context, first._view(run), second._view(run),
-                                        in_range("samples", samples, 1, 2**31 - 1), in_range("seed", seed, 0, 2**64 - 1), out))
+                                        in_range("samples", points, 1, 2**31 - 1), in_range("seed", start, 0, 2**64 - 1), out))
     return record(out)
 
 
@@ -572,7 +594,7 @@ def repair(
     resolution: int | None = None,
     lattice: Lattice | None = None,
     sign: str = "auto",
-    interpolation: str | None = None,
+    interpolation: str = "tangent",
     face_rule: str = "separate",
     sharp: bool = False,
     shell: float | None = None,
@@ -581,6 +603,7 @@ def repair(
     triangles: int | None = None,
     measure: bool = False,
     measure_samples: int | None = None,
+    carry: bool = False,
     dtype: Any = None,
     local_frame: bool = False,
     threads: int | None = None,
@@ -592,20 +615,25 @@ def repair(
     Args:
         mesh: what `Mesh.of` takes.
         resolution: voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
-        sign: what decides that a centre is inside: "auto", "exact", "normal", "pseudonormal", "winding" or "vote".
-        interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
+        sign: what decides that a centre is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "exact"
+            (nested shells are cavities), or "auto": vote where triangles are flipped, else winding.
+        interpolation: where vertices go: "tangent" (by the planes at the closest points), "vector" (by the line
+            through them), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
         sharp: cells on sharp edges and corners get a vertex there.
         shell: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
         least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels].
         triangles: most triangles, by the largest resolution that a search finds not to exceed them; 0 or None: no limit.
         measure: measure the distances between input and result, from ``measure_samples`` points a side.
+        carry: give the result the colours and texture coordinates of the nearest points on the mesh.
         face_rule, dtype, local_frame: as for `surface`.
 
     Returns:
-        A `Mesh`; ``mesh.report`` tells what was found and done: the fields of ``bvx_repair_report``.
+        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) tells what was found and done: ``holes``, ``hole_length``
+        [world], ``shelled``, ``overlaps``, the certificates ``before`` and ``after``, ``distance`` when measured ...
 
     Raises:
-        EmptyError: no triangle of area, or nothing left.
+        EmptyError: no triangle of area, or nothing left. ArgumentError: options that contradict each other. RangeError: see
+        `voxelize`. MemoryLimitError.
     """
     mend = function("bvx_repair")
     options = options_of("repair_options")
@@ -615,9 +643,8 @@ def repair(
         options.lattice = lattice._c
     elif resolution is not None:
         options.resolution = in_range("resolution", resolution, 1, 2**24)
-    options.sign = choice("sign", sign, "BVX_SIGN_", SIGNS)
-    if interpolation is not None:
-        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    options.sign = choice("sign", sign, "BVX_SIGN_", ("auto", "exact", "winding", "vote"))
+    options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
     options.sharp, options.local_frame, options.measure = int(bool(sharp)), int(bool(local_frame)), int(bool(measure))
     if shell is not None:
@@ -632,13 +659,72 @@ def repair(
     report = ffi.new("bvx_repair_report *")
     options.report = report
     source = Mesh.of(mesh)
-    made = with_positions(options, dtype, lambda run, out: mend(run.context, source._view(run), options, out),
-                          threads=threads, memory_limit=memory_limit, progress=progress)
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+    made = with_positions(options, dtype, lambda run, out: mend(run.context, source._view(run), options, out), **limits)
+    if carry:
+        made = carry_over(source, made, **limits)
+    made.report = record(report)
+    return made
+
+
+def boolean(
+    a: Any,
+    b: Any,
+    operation: str,
+    *,
+    resolution: int | None = None,
+    lattice: Lattice | None = None,
+    fill: str = "parity",
+    interpolation: str | None = None,
+    face_rule: str = "separate",
+    sharp: bool = False,
+    dtype: Any = None,
+    local_frame: bool = False,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Mesh:
+    """A closed, manifold mesh of what two bodies have together, alone or in common.
+
+    Vertices lie on the surface of the mesh that bounds the result there; what is thinner than a voxel may be lost. Grids are
+    combined by their operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``.
+
+    Args:
+        a, b: what `Mesh.of` takes.
+        operation: "union", "intersection", "difference" (a without b) or "xor".
+        resolution: voxels along the longest axis of both together. Default 256. Or a ``lattice`` to work on.
+        fill: what is inside a mesh: "parity", "nonzero", "vote" or "winding".
+        interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
+        sharp: cells on sharp edges and corners, and where the meshes meet, get a vertex there.
+        face_rule, dtype, local_frame: as for `surface`.
+
+    Returns:
+        A `Mesh`, empty when nothing is left; ``mesh.report`` has the fields of ``bvx_boolean_report``.
+    """
+    options = options_of("boolean_options")
+    if lattice is not None:
+        if resolution is not None:
+            raise ArgumentError("resolution and lattice contradict each other; give one of them")
+        options.lattice = lattice._c
+    elif resolution is not None:
+        options.resolution = in_range("resolution", resolution, 1, 2**24)
+    number = choice("operation", operation, "BVX_BOOLEAN_", OPERATIONS)
+    options.fill = choice("fill", fill, "BVX_FILL_", FILLS)
+    if interpolation is not None:
+        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.sharp, options.local_frame = int(bool(sharp)), int(bool(local_frame))
+    report = ffi.new("bvx_boolean_report *")
+    options.report = report
+    first, second = Mesh.of(a), Mesh.of(b)
+    made = with_positions(
+        options, dtype, lambda run, out: lib.bvx_boolean(run.context, first._view(run), second._view(run), number, options, out),
+        threads=threads, memory_limit=memory_limit, progress=progress)
     made.report = record(report)
     return made
 
 
 def content_hash(data: Any, seed: int = 0) -> int:
-    """The hash behind all golden values, over bytes; see ``bvx_hash`` in the C header."""
+    """The library's hash of the bytes of ``data`` (anything with a buffer), from a ``seed``; see ``bvx_hash`` in the C header."""
     held = ffi.from_buffer(data)
     return lib.bvx_hash(held, len(held), in_range("seed", seed, 0, 2**64 - 1))

@@ -11,6 +11,7 @@ import pyvista
 
 from . import _stages
 from ._errors import ArgumentError
+from ._field import field as measure
 from ._grid import Grid
 from ._octree import refine
 
@@ -32,6 +33,10 @@ class MeshAccessor:
     def repair(self, **options: Any) -> Any:
         """A closed PolyData; options as for `bitvox.repair`."""
         return _stages.repair(self._dataset, **options).to_pyvista()
+
+    def field(self, **options: Any) -> Any:
+        """A pyvista.ImageData with the cell data "distance"; options as for `bitvox.field`."""
+        return measure(self._dataset, **options).to_pyvista()
 
     def check(self, **options: Any) -> Any:
         """The certificate of `bitvox.check`."""

@@ -41,12 +41,12 @@ class Chunks:
         return self.counts[0] * self.counts[1] * self.counts[2]
 
     def window(self, index: Index) -> Window:
-        """The voxels of a chunk."""
+        """The voxels of the chunk ``index``."""
         low = tuple(i * n for i, n in zip(index, self.size))
         return Window(low, tuple(min(n, m - a) for n, m, a in zip(self.size, self.lattice.shape, low)))  # type: ignore[arg-type]
 
     def cells(self, index: Index) -> tuple[Window, list[str]]:
-        """What a chunk's part of the surface is extracted from: its voxels and one layer of the next chunks, and which sides
+        """What the surface of chunk ``index`` is extracted from: its voxels and one layer of the next chunks, and which sides
         are open. A cell belongs to the chunk that holds its low corner."""
         low, size = self.window(index)
         sides, grown = [], []
@@ -60,7 +60,7 @@ class Chunks:
         return Window(low, tuple(grown)), sides  # type: ignore[arg-type]
 
     def upper(self, index: Index) -> list[Index]:
-        """A chunk and those that hold the layer beyond its high sides."""
+        """The chunk ``index`` and those that hold the layer beyond its high sides."""
         steps = [(0, 1) if index[a] + 1 < self.counts[a] else (0,) for a in range(3)]
         return [tuple(i + s for i, s in zip(index, step)) for step in itertools.product(*steps)]  # type: ignore[misc]
 

@@ -28,7 +28,12 @@ def load(source: Any) -> Mesh:
 
 
 class Task:
-    """One piece of work: call it, on any machine, any number of times; the result is always the same."""
+    """One piece of work: call it, on any machine, any number of times; the result is always the same.
+
+    Attributes:
+        source: the mesh or its file. chunks, index: the cut lattice, and which chunk of it.
+        result: "surface" or "grid". options, surface_options: as for `plan`.
+    """
 
     __slots__ = ("source", "chunks", "index", "result", "options", "surface_options")
 
@@ -65,7 +70,11 @@ def voxelize_window(mesh: Mesh, lattice: Lattice, window: Window, options: dict[
 
 
 class Plan:
-    """All tasks of a job, and how their results are put together."""
+    """All tasks of a job, and how their results are put together.
+
+    Attributes:
+        chunks: the cut lattice. tasks: one `Task` a chunk. result: "surface" or "grid".
+    """
 
     def __init__(self, chunks: Chunks, tasks: list[Task], result: str) -> None:
         self.chunks, self.tasks, self.result = chunks, tasks, result

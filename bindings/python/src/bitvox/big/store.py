@@ -69,6 +69,7 @@ def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chunk
     """A volume from OME-Zarr (0.4 and 0.5) or a plain Zarr array [z, y, x].
 
     Args:
+        path: a folder or a URL that all workers reach.
         dataset: of the group; None: the first, which is the finest.
         chunks: of the volume; None: the shards, or where there are none pieces of about 256.
         threshold: values above it are set; None: all other than 0.

@@ -61,7 +61,8 @@ class Volume:
         return join(self.lattice, Window((0, 0, 0), self.lattice.shape), parts)
 
     def map(self, function: Callable[..., Grid], *others: Volume) -> Volume:
-        """A volume of ``function(grid, ...)`` of each chunk, for local operations: ``a.map(operator.or_, b)``."""
+        """A volume of ``function(grid, ...)`` of each chunk and of the same chunk of ``others``, for local operations:
+        ``a.map(operator.or_, b)``."""
         dask = need("dask", "big")
         for other in others:
             if (other.lattice, other.chunks.size) != (self.lattice, self.chunks.size):

@@ -3,9 +3,9 @@
 | files | functions | extra |
 |---|---|---|
 | NIfTI volumes and masks | `read_nifti`, `write_nifti` | ``bitvox[medical]`` (nibabel) |
-| DICOM series, RTSTRUCT contours | `read_dicom`, `read_rtstruct` | ``bitvox[medical]`` (pydicom) |
+| DICOM series, RTSTRUCT contours | `read_dicom`, `read_rtstruct`, `bitvox.from_sections` | ``bitvox[medical]`` (pydicom) |
 | stacks of slice images | `read_images`, `write_images` | ``bitvox[formats]`` (Pillow) |
-| DXF polylines | `read_dxf` | ``bitvox[geo]`` (ezdxf) |
+| DXF polylines | `read_dxf`, `bitvox.from_sections` | ``bitvox[geo]`` (ezdxf) |
 | 3MF, GLB, DAE ... meshes | `bitvox.read` | ``bitvox[formats]`` (trimesh) |
 | AMF, plain and zipped | `bitvox.read`, `read_amf` | none |
 """

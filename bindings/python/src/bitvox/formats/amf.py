@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import os
 import zipfile
@@ -17,11 +18,16 @@ def read_amf(path: str | os.PathLike[str]) -> Mesh:
     """One mesh of all objects of an AMF file, or of all instances of its constellations where it has some, in the file's own
     unit. Curved triangles are taken as flat.
 
+    Args:
+        path: .amf, plain, zipped or packed as .gz.
+
     Raises:
         FormatError: damaged XML, numbers that are none, vertex numbers that are not there.
     """
     with open(path, "rb") as file:
         data = file.read()
+    if data[:2] == b"\x1f\x8b":
+        data = gzip.decompress(data)
     if data[:2] == b"PK":
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             names = [n for n in archive.namelist() if n.lower().endswith(".amf")]

@@ -94,6 +94,15 @@ def _placed(values: Any, axes: Sequence[tuple[Any, float]], center: Any, thresho
     return Grid.from_numpy(choose(values, threshold, labels).transpose(order), spacing=spacing, corner=corner)
 
 
+def is_picture(path: str | os.PathLike[str]) -> bool:
+    """Whether a DICOM file holds a picture, not contours."""
+    pydicom = need("pydicom", "medical")
+    try:
+        return "Rows" in pydicom.dcmread(os.fspath(path), stop_before_pixels=True)
+    except pydicom.errors.InvalidDicomError as why:
+        raise FormatError(f"{os.fspath(path)}: {why}") from why
+
+
 def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None = None, tolerance: float = 0.01) -> Sections:
     """Contours of structures from a DICOM RTSTRUCT file, in the patient's millimetres.
 
@@ -102,10 +111,18 @@ def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None =
         tolerance: how far points may lie off their plane [mm].
 
     Returns:
-        `Sections` whose loops carry the structures' names as labels. Points and open lines are left out.
+        `Sections` whose loops carry the structures' names as labels. Points and open lines are left out. Contours that reach
+        their holes by a line there and back ("keyholes") become an outer and an inner loop.
+
+    Raises:
+        FormatError: no RTSTRUCT, or no structure of a name. EmptyError: no closed contour of these structures.
+        ArgumentError: contours that do not lie in parallel planes.
     """
     np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
-    data = pydicom.dcmread(os.fspath(path))
+    try:
+        data = pydicom.dcmread(os.fspath(path))
+    except pydicom.errors.InvalidDicomError as why:
+        raise FormatError(f"{os.fspath(path)}: {why}") from why
     if "ROIContourSequence" not in data or "StructureSetROISequence" not in data:
         raise FormatError(f"{os.fspath(path)} is no RTSTRUCT: it holds no contours")
     called = {int(roi.ROINumber): str(roi.ROIName) for roi in data.StructureSetROISequence}
@@ -119,10 +136,37 @@ def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None =
             continue
         for contour in getattr(roi, "ContourSequence", []):
             if str(contour.ContourGeometricType).upper() in ("CLOSED_PLANAR", "CLOSEDPLANAR_XOR"):
-                loops.append(Loop(np.array(contour.ContourData, float).reshape(-1, 3), name))
+                points = np.array(contour.ContourData, float).reshape(-1, 3)
+                loops += [Loop(part, name) for part in _without_bridges(points, np)]
     if not loops:
         raise EmptyError(f"{os.fspath(path)} holds no closed contour of these structures")
     return Sections(loops, _normal_of(loops, np), tolerance=tolerance)
+
+
+def _without_bridges(points: Any, np: Any) -> list[Any]:
+    """A contour as loops: what it runs along in both directions is left out, and what is left falls apart there."""
+    points = points[(points != np.roll(points, -1, axis=0)).any(axis=1)]  # a last point that repeats the first, and others
+    corners, number = np.unique(points, axis=0, return_inverse=True)
+    walk = number.reshape(-1).tolist()
+    if len(corners) == len(walk):
+        return [points] if len(points) >= 3 else []
+    steps = list(zip(walk, walk[1:] + walk[:1]))
+    bridges = set(steps) & {(b, a) for a, b in steps}
+    after: dict[int, list[int]] = {}
+    for a, b in steps:
+        if (a, b) not in bridges:
+            after.setdefault(a, []).append(b)
+    parts = []
+    while after:
+        part, at = [], next(iter(after))
+        while at in after:  # as many steps lead to a corner as away from it, so this ends where it began
+            part.append(at)
+            follows = after[at]
+            at = follows.pop(0)
+            if not follows:
+                del after[part[-1]]
+        parts.append(corners[part])
+    return [part for part in parts if len(part) >= 3]
 
 
 def _normal_of(loops: list[Loop], np: Any) -> Any:

@@ -6,33 +6,77 @@ import os
 from typing import Any, Sequence
 
 from .. import _arrays as arrays
-from .._errors import EmptyError, need
+from .._errors import ArgumentError, EmptyError, FormatError, need
 from .._sections import Loop, Sections
 
 
-def read_dxf(path: str | os.PathLike[str], *, layers: Sequence[str] | None = None, normal: Sequence[float] = (0.0, 0.0, 1.0),
-             close: bool = False, sagitta: float | None = None, tolerance: float = 1e-6) -> Sections:
-    """Closed polylines of a DXF drawing as sections; labels are the layers' names.
+def read_dxf(path: Any, *, positions: Sequence[float] | None = None, layers: Sequence[str] | None = None,
+             normal: Sequence[float] = (0.0, 0.0, 1.0), close: bool = False, sagitta: float | None = None,
+             tolerance: float = 1e-6) -> Sections:
+    """Closed polylines of DXF drawings as sections; labels are the layers' names.
 
     Args:
-        path: the drawing. layers: only these; a name that is not there is an error.
+        path: a drawing, or several of them.
+        positions: one for each drawing, where each is one section drawn flat: its x and y stay, its z becomes the position.
+        layers: only these; a name that no drawing has is an error.
         normal: of the sections' planes.
         close: join the ends of open polylines too; otherwise they are left out.
         sagitta: how far chords may lie off arcs [drawing units]. Default: a thousandth of the polyline's size.
-        tolerance: how far points may lie off their plane.
+        tolerance: how far points may lie off their plane [drawing units].
 
     Returns:
         `Sections`, from POLYLINE, LWPOLYLINE, SPLINE, CIRCLE and ELLIPSE in model space and in the blocks that it inserts.
+
+    Raises:
+        EmptyError: no closed polyline, a layer that is not there. FormatError: no drawing, or a damaged one.
+        ArgumentError: a polyline that does not lie in a plane across the normal.
     """
-    np, ezdxf = arrays.numpy("DXF"), need("ezdxf", "geo")
-    paths = need("ezdxf.path", "geo")
-    drawing = ezdxf.readfile(os.fspath(path))
+    names = [os.fspath(path)] if isinstance(path, (str, os.PathLike)) else [os.fspath(one) for one in path]
+    if positions is not None and len(positions) != len(names):
+        raise ArgumentError(f"there are {len(positions)} positions for {len(names)} drawings")
+    drawings = [_drawing(name) for name in names]
     if layers is not None:
-        known = {layer.dxf.name.lower() for layer in drawing.layers} | {e.dxf.layer.lower() for e in drawing.modelspace()}
+        known = {layer for drawing in drawings for layer in _layers(drawing)}
         missing = [name for name in layers if name.lower() not in known]
         if missing:
-            raise EmptyError(f"{os.fspath(path)} has no layer named {', '.join(missing)}")
+            raise EmptyError(f"{', '.join(names)}: there is no layer named {', '.join(missing)}")
     wanted = None if layers is None else {name.lower() for name in layers}
+    loops = []
+    for i, drawing in enumerate(drawings):
+        found = _loops(drawing, wanted, close, sagitta, tolerance)
+        if positions is not None:
+            found = [_lifted(loop, float(positions[i])) for loop in found]
+        loops += found
+    if not loops:
+        raise EmptyError(f"{', '.join(names)}: there is no closed polyline" + ("" if close else "; close=True joins the ends of open ones"))
+    return Sections(loops, normal, tolerance=tolerance)
+
+
+def _drawing(name: str) -> Any:
+    ezdxf = need("ezdxf", "geo")
+    try:
+        return ezdxf.readfile(name)
+    except ezdxf.DXFError as why:
+        raise FormatError(f"{name}: {why}") from why
+    except OSError as why:
+        if isinstance(why, FileNotFoundError) or why.errno is not None:
+            raise
+        raise FormatError(f"{name} is no DXF drawing") from why  # so does ezdxf say it
+
+
+def _layers(drawing: Any) -> set[str]:
+    return {layer.dxf.name.lower() for layer in drawing.layers} | {e.dxf.layer.lower() for e in drawing.modelspace()}
+
+
+def _lifted(loop: Loop, position: float) -> Loop:
+    points = loop.points.copy()
+    points[:, 2] = position
+    return Loop(points, loop.label)
+
+
+def _loops(drawing: Any, wanted: set[str] | None, close: bool, sagitta: float | None, tolerance: float) -> list[Loop]:
+    """The closed outlines of one drawing."""
+    np, paths = arrays.numpy("DXF"), need("ezdxf.path", "geo")
     loops = []
     for entity in _entities(drawing.modelspace()):
         if entity.dxftype() not in ("LWPOLYLINE", "POLYLINE", "SPLINE", "CIRCLE", "ELLIPSE") or (wanted is not None and entity.dxf.layer.lower() not in wanted):
@@ -47,9 +91,7 @@ def read_dxf(path: str | os.PathLike[str], *, layers: Sequence[str] | None = Non
             continue
         if len(points) >= 3:
             loops.append(Loop(points, str(entity.dxf.layer)))
-    if not loops:
-        raise EmptyError(f"{os.fspath(path)} holds no closed polyline" + ("" if close else "; close=True joins the ends of open ones"))
-    return Sections(loops, normal, tolerance=tolerance)
+    return loops
 
 
 def _thousandth(outline: Any) -> float:

@@ -55,6 +55,7 @@ def write_images(grid: Grid, pattern: str | os.PathLike[str], *, flip_y: bool = 
 
     Args:
         pattern: a name with ``%d`` (or ``%04d``) for the slice's number, or one that ends in .tif for one file of all slices.
+        flip_y: as for `read_images`.
 
     Returns:
         The names of the files.

@@ -40,7 +40,10 @@ def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: A
 
 
 def write_nifti(grid: Grid, path: str | os.PathLike[str]) -> None:
-    """Write a grid as a NIfTI mask (uint8); its affine carries the centre of the first voxel."""
+    """Write a grid to ``path`` (.nii or .nii.gz) as a mask (uint8); its affine carries the centre of the first voxel.
+
+    The format keeps places as float32: what is read back has the same voxels on a lattice that may lie a rounding beside.
+    """
     np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
     affine = np.diag([*grid.spacing, 1.0])
     affine[:3, 3] = grid.center0

@@ -14,10 +14,19 @@ _OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml", "xyz")
 
 
 def read_other(path: str, kind: str) -> Any:
-    """See `bitvox.read`."""
-    if kind in ("nii", "dcm", "dxf"):
-        name = {"nii": "read_nifti(path, threshold=...)", "dcm": "read_dicom(folder, threshold=...)", "dxf": "read_dxf(path)"}[kind]
-        raise UnsupportedError(f"{path}: .{kind} is read by bitvox.formats.{name}")
+    """What `bitvox.read` does with a ``path`` of a ``kind`` (its ending) that the library itself does not read."""
+    if kind == "nii":
+        raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_nifti(path, threshold=...) is told so")
+    if kind == "dxf":
+        from .dxf import read_dxf
+
+        return read_dxf(path)
+    if kind == "dcm":
+        from .dicom import is_picture, read_rtstruct
+
+        if is_picture(path):
+            raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_dicom(folder, threshold=...) is told so")
+        return read_rtstruct(path)
     if kind == "amf":
         from .amf import read_amf
 

@@ -1,0 +1,229 @@
+"""Scalar volumes beside numpy, scikit-image and the files of other writers."""
+
+import gzip
+import struct
+
+import numpy as np
+import pytest
+
+import bitvox
+from conftest import REPOSITORY, SHARED
+
+TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
+
+
+def noise(shape=(70, 9, 7), dtype="f4", seed=1):
+    """Whole numbers 0 to 100."""
+    return np.random.default_rng(seed).integers(0, 101, shape).astype(dtype)
+
+
+@pytest.mark.parametrize("dtype", [*TYPES, ">i2", ">f8", "f2"])
+def test_threshold_of_every_type(dtype):
+    a = noise(dtype=dtype)
+    for view in (a, np.asfortranarray(a), a[::-1, ::2, ::-3], a.transpose(1, 2, 0), a[5:6]):
+        v = bitvox.Volume(view)
+        assert (v.threshold(30, 60).to_numpy() == ((view >= 30) & (view <= 60))).all()
+        assert v.report.inside == ((view >= 30) & (view <= 60)).sum()
+        assert (v.report.least, v.report.greatest) == (view.min(), view.max())
+
+
+def test_arrays_are_not_copied():
+    a = noise((20, 20, 20))
+    for view in (a, a[::-2, ::3], a.T):
+        assert np.shares_memory(bitvox.Volume(view).array, a)
+    assert bitvox.Volume(np.broadcast_to(np.float32(3), (4, 5, 6))).threshold(3).count == 120
+    assert bitvox.Volume(a > 50).threshold(1).count == (a > 50).sum()
+
+
+def test_nan_and_infinity_are_outside_and_counted():
+    a = noise()
+    a[3, 4, 5], a[10, 2, 2], a[69, 8, 6] = np.nan, np.inf, -np.inf
+    v = bitvox.Volume(a)
+    assert (v.threshold().to_numpy() == np.isfinite(a)).all()
+    assert (v.report.nan, v.report.infinite) == (1, 2)
+    mesh = v.surface(50)
+    assert (v.report.nan, v.report.infinite) == (1, 2)
+    c = mesh.check()
+    assert c.closed and c.edge_manifold and c.vertex_manifold and c.oriented
+
+
+def test_order_spacing_and_lattice():
+    a = noise((5, 6, 7))
+    v = bitvox.Volume(a, order="zyx", spacing=(1, 2, 3), corner=(9, 8, 7))
+    assert v.shape == (7, 6, 5) and v.spacing == (1, 2, 3)
+    assert v.threshold(50) == bitvox.Grid.from_numpy(a >= 50, order="zyx", spacing=(1, 2, 3), corner=(9, 8, 7))
+    part = v.window((1, 2, 0, 6, 5, 4))
+    assert part.low == (1, 2, 0) and part.shape == (5, 3, 4)
+    assert (part.threshold(50).to_numpy() == v.threshold(50).to_numpy()[1:6, 2:5, 0:4]).all()
+    with pytest.raises(bitvox.ArgumentError):
+        v.window((0, 0, 0, 8, 1, 1))
+
+
+def test_refusals():
+    for bad in (np.zeros((3, 3)), np.zeros((3, 0, 3))):
+        with pytest.raises(bitvox.ArgumentError):
+            bitvox.Volume(bad)
+    with pytest.raises(TypeError):
+        bitvox.Volume(np.zeros((2, 2, 2), complex))
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.Volume(np.zeros((2, 2, 2))).threshold(np.nan)
+    with pytest.raises(bitvox.UnsupportedError):
+        bitvox.Volume(np.zeros((2, 2, 2))).labels()
+
+
+def ball(n=40):
+    at = (np.arange(n) + 0.5) * 2 / n - 1
+    x, y, z = np.meshgrid(at, at, at, indexing="ij")
+    return 0.8 - np.sqrt(x * x + y * y + z * z)
+
+
+def test_surface_beside_scikit_image():
+    measure = pytest.importorskip("skimage.measure")
+    a = ball()
+    mesh = bitvox.Volume(a, spacing=0.05, corner=(-1, -1, -1)).surface(0, dtype="float64")
+    theirs, _, _, _ = measure.marching_cubes(a, 0, spacing=(0.05,) * 3)
+    theirs = theirs - 1 + 0.025
+    assert len(theirs) == mesh.n_vertices  # one vertex an edge; none of these lies at an edge's end
+    mine = np.asarray(mesh.vertices)
+    order = lambda v: v[np.lexsort(np.round(v, 5).T)]  # noqa: E731
+    inner = 1 / 128 * 0.05 * 1.01  # what keeping off the ends may move
+    assert np.abs(order(mine) - order(theirs)).max() < inner
+    assert mesh.check().volume == pytest.approx(4 / 3 * np.pi * 0.8**3, rel=0.01)
+
+
+def test_windows_merge_to_the_whole():
+    v = bitvox.Volume(noise((33, 12, 10)))
+    whole = v.surface(50, keys=True)
+    parts = [v.window((0, 0, 0, 17, 12, 10)).surface(50, keys=True, open_sides="x-high"),
+             v.window((16, 0, 0, 33, 12, 10)).surface(50, keys=True, open_sides="x-low")]
+    assert bitvox.merge(parts).content_hash() == whole.content_hash()
+
+
+@pytest.mark.parametrize("dtype", ["u1", "i2", "i4", "i8", "u8"])
+def test_labels(dtype):
+    a = np.random.default_rng(3).integers(-5 if dtype[0] == "i" else 0, 9, (20, 10, 8)).astype(dtype)
+    v = bitvox.Volume(a)
+    values, counts = np.unique(a[a != 0], return_counts=True)
+    found = v.labels()
+    assert [(f.value, f.voxels) for f in found] == list(zip(values.tolist(), counts.tolist()))
+    for one in found:
+        at = np.argwhere(a == one.value)
+        assert one.low == tuple(at.min(0)) and one.size == tuple(np.ptp(at, axis=0) + 1)
+        assert (v.label(one.value).to_numpy() == (a == one.value)).all()
+
+
+# ---- files ----
+
+
+def nrrd(a, encoding="raw", more="", data=None):
+    """The bytes of an .nrrd file."""
+    kind = {"u1": "uint8", "i2": "int16", "u2": "uint16", "i4": "int32", "f4": "float", "f8": "double", "u8": "uint64"}
+    head = f"NRRD0004\ntype: {kind[a.dtype.str[1:]]}\ndimension: 3\nsizes: {' '.join(map(str, a.shape))}\nencoding: {encoding}\n"
+    head += f"endian: {'big' if a.dtype.byteorder == '>' else 'little'}\n{more}"
+    raw = a.tobytes(order="F")
+    packed = gzip.compress(raw) if encoding == "gzip" else " ".join(map(str, a.ravel(order="F"))).encode() if encoding == "ascii" else raw
+    return (head.encode() + b"\n" + packed) if data is None else head.encode() + f"data file: {data}\n".encode()
+
+
+@pytest.mark.parametrize("encoding", ["raw", "gzip", "ascii"])
+@pytest.mark.parametrize("dtype", ["u1", "<i2", ">i2", "<f4", ">f8", "<u8"])
+def test_nrrd(tmp_path, encoding, dtype):
+    a = noise((11, 5, 4), dtype)
+    (tmp_path / "a.nrrd").write_bytes(nrrd(a, encoding, "spacings: 0.5 1 2\n"))
+    v = bitvox.read_volume(tmp_path / "a.nrrd")
+    assert v.array.dtype == a.dtype.newbyteorder("=") and (v.array == a).all() and v.spacing == (0.5, 1, 2)
+
+
+def test_nrrd_with_data_files(tmp_path):
+    a = noise((6, 5, 4), "<i2")
+    (tmp_path / "one.raw").write_bytes(a.tobytes(order="F"))
+    (tmp_path / "a.nhdr").write_bytes(nrrd(a, data="one.raw"))
+    assert (bitvox.read_volume(tmp_path / "a.nhdr").array == a).all()
+    for z in range(4):
+        (tmp_path / f"s.{z + 8:03d}").write_bytes(a[:, :, z].tobytes(order="F"))
+    (tmp_path / "b.nhdr").write_bytes(nrrd(a, data="s.%03d 8 11 1"))
+    assert (bitvox.read_volume(tmp_path / "b.nhdr").array == a).all()
+    (tmp_path / "c.nhdr").write_bytes(nrrd(a, data="LIST\n" + "\n".join(f"s.{z + 8:03d}" for z in range(4))))
+    assert (bitvox.read_volume(tmp_path / "c.nhdr").array == a).all()
+    (tmp_path / "one.raw.gz").write_bytes(gzip.compress(a.tobytes(order="F")))
+    (tmp_path / "d.nhdr").write_bytes(nrrd(a, "gzip", data="one.raw.gz"))
+    assert (bitvox.read_volume(tmp_path / "d.nhdr").array == a).all()
+    (tmp_path / "s.010").unlink()
+    with pytest.raises(OSError):
+        bitvox.read_volume(tmp_path / "b.nhdr")
+
+
+def test_damaged_gzip_is_refused(tmp_path):
+    a = noise((11, 5, 4), "<i2")
+    good = nrrd(a, "gzip")
+    at = good.index(b"\n\n") + 2
+    for bad in (good[:-9], good[:at] + gzip.compress(a.tobytes()[:-2]), good[:at] + gzip.compress(a.tobytes() + b"xx"),
+                good[: at + 20] + bytes([good[at + 20] ^ 255]) + good[at + 21 :]):
+        (tmp_path / "a.nrrd").write_bytes(bad)
+        with pytest.raises(bitvox.FormatError):
+            bitvox.read_volume(tmp_path / "a.nrrd")
+
+
+@pytest.mark.parametrize("order", "CF")
+@pytest.mark.parametrize("dtype", ["?", "u1", ">u2", "<i4", "<i8", "f2", ">f2", "f4", ">f8"])
+def test_npy(tmp_path, dtype, order):
+    a = np.asarray(noise((11, 5, 4), "f8") / 7 - 6).astype(dtype, order=order)
+    np.save(tmp_path / "a.npy", a)
+    v = bitvox.read_volume(tmp_path / "a.npy", spacing=2)
+    assert (v.array == a).all() and v.spacing == (2, 2, 2)
+
+
+def test_half_precision_is_exact(tmp_path):
+    a = np.arange(65536, dtype=np.uint16).view(np.float16).reshape(64, 32, 32)
+    np.save(tmp_path / "a.npy", a)
+    mine = bitvox.read_volume(tmp_path / "a.npy").array
+    assert np.array_equal(mine, a.astype(np.float32), equal_nan=True)
+
+
+def test_raw(tmp_path):
+    a = noise((7, 6, 5), ">u2")
+    (tmp_path / "a.raw").write_bytes(b"skip" + a.tobytes(order="F") + b"more")
+    v = bitvox.read_volume(tmp_path / "a.raw", shape=(7, 6, 5), dtype=">u2", offset=4, spacing=(1, 2, 3), corner=(4, 5, 6))
+    assert (v.array == a).all() and v.lattice.corner == (4, 5, 6)
+    with pytest.raises(bitvox.FormatError):
+        bitvox.read_volume(tmp_path / "a.raw", shape=(7, 6, 6), dtype=">u2")
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.read_volume(tmp_path / "a.raw")
+
+
+def test_vti_of_a_field(tmp_path):
+    a = noise((6, 5, 4), "<f4")
+    raw = a.tobytes(order="F")
+    head = ('<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt32"><ImageData WholeExtent="0 5 0 4 0 3" '
+            'Origin="1 2 3" Spacing="2 2 2"><Piece Extent="0 5 0 4 0 3"><PointData Scalars="d"><DataArray type="Float32" Name="d" '
+            'format="appended" offset="0"/></PointData></Piece></ImageData><AppendedData encoding="raw">_')
+    (tmp_path / "a.vti").write_bytes(head.encode() + struct.pack("<I", len(raw)) + raw + b"</AppendedData></VTKFile>")
+    v = bitvox.read_volume(tmp_path / "a.vti")
+    assert (v.array == a).all() and v.lattice.corner == (0, 1, 2)
+
+
+def test_bundled_volumes():
+    folder = REPOSITORY / "fixtures"
+    if not (folder / "waves.nhdr").is_file():
+        pytest.skip("fixtures/waves.nhdr is not here")
+    waves = bitvox.read_volume(folder / "waves.nhdr")
+    assert waves.shape == (48, 40, 32) and waves.spacing == (1, 1, 1.25)
+    assert waves.surface(120).check().closed
+    assert [one.value for one in bitvox.read_volume(folder / "labels.npy").labels()] == [1, 2, 7]
+
+
+def test_ct_head(tmp_path):
+    tarfile = pytest.importorskip("tarfile")
+    packed = SHARED / "volumes" / "vtk_headsq_quarter.tar.gz"
+    if not packed.is_file():
+        pytest.skip("the CT head is not here")
+    with tarfile.open(packed) as archive:
+        archive.extractall(tmp_path, filter="data") if hasattr(tarfile, "data_filter") else archive.extractall(tmp_path)
+    head = next(tmp_path.rglob("quarter.nhdr"))
+    v = bitvox.read_volume(head)
+    assert v.shape == (64, 64, 93) and v.spacing == (3.2, 3.2, 1.5)
+    slices = np.stack([np.fromfile(head.parent / f"quarter.{i}", "<i2").reshape(64, 64).T for i in range(1, 94)], axis=2)
+    assert (v.array == slices).all()
+    skull = v.surface(1150)
+    c = skull.check()
+    assert c.closed and c.edge_manifold and c.vertex_manifold and c.oriented and c.triangles > 50000

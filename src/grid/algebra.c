@@ -1,0 +1,126 @@
+/* algebra.c - union, intersection, difference, xor and complement of grids, a word at a time.
+ *
+ * Every word of the result follows from the same word of the operands, so the result may be one of them. Eight words are loaded
+ * before one is stored: compilers then use vectors without asking whether the arrays overlap. Memory is what it costs. */
+#include "grid/grid.h"
+
+enum { ALGEBRA_UNION, ALGEBRA_INTERSECTION, ALGEBRA_SUBTRACT, ALGEBRA_XOR, ALGEBRA_COMPLEMENT };
+enum { ALGEBRA_GRAIN = 8192 /* least words a piece */, ALGEBRA_BLOCK = 8 };
+
+typedef struct algebra_job {
+    const bvx_grid *a, *b; /* complement: b is a */
+    bvx_grid *result;
+    int32_t operation, pieces, cpu;
+} algebra_job;
+
+BVXI_VECTOR_INLINE uint64_t combine_word(uint64_t a, uint64_t b, int32_t operation)
+{
+    switch (operation) {
+    case ALGEBRA_UNION: return a | b;
+    case ALGEBRA_INTERSECTION: return a & b;
+    case ALGEBRA_SUBTRACT: return a & ~b;
+    case ALGEBRA_XOR: return a ^ b;
+    default: return ~a;
+    }
+}
+
+BVXI_VECTOR_INLINE void combine_words(const uint64_t *a, const uint64_t *b, uint64_t *to, size_t n, int32_t operation)
+{
+    size_t i = 0;
+    for (; i + ALGEBRA_BLOCK <= n; i += ALGEBRA_BLOCK) {
+        uint64_t w[ALGEBRA_BLOCK];
+        for (int32_t k = 0; k < ALGEBRA_BLOCK; k++) w[k] = combine_word(a[i + (size_t)k], b[i + (size_t)k], operation);
+        memcpy(to + i, w, sizeof w);
+    }
+    for (; i < n; i++) to[i] = combine_word(a[i], b[i], operation);
+}
+
+/* One loop an operation, so that none asks which it is. */
+BVXI_VECTOR_INLINE void combine_rows(const algebra_job *job, size_t from, size_t n)
+{
+    const uint64_t *const a = job->a->words + from, *const b = job->b->words + from;
+    uint64_t *const to = job->result->words + from;
+    switch (job->operation) {
+    case ALGEBRA_UNION: combine_words(a, b, to, n, ALGEBRA_UNION); break;
+    case ALGEBRA_INTERSECTION: combine_words(a, b, to, n, ALGEBRA_INTERSECTION); break;
+    case ALGEBRA_SUBTRACT: combine_words(a, b, to, n, ALGEBRA_SUBTRACT); break;
+    case ALGEBRA_XOR: combine_words(a, b, to, n, ALGEBRA_XOR); break;
+    default: combine_words(a, a, to, n, ALGEBRA_COMPLEMENT); break;
+    }
+}
+
+#if BVXI_HAVE_AVX2
+BVXI_AVX2 static void combine_rows_avx2(const algebra_job *job, size_t from, size_t n)
+{
+    combine_rows(job, from, n);
+}
+#endif
+
+static void combine_piece(void *user, int32_t index, int32_t worker)
+{
+    const algebra_job *const job = user;
+    size_t const row = (size_t)job->a->words_per_row;
+    uint64_t const tail = bvxi_tail_mask(job->a->size[0]);
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(bvxi_grid_rows(job->a), job->pieces, index, &begin, &end);
+#if BVXI_HAVE_AVX2
+    if (job->cpu == BVX_CPU_AVX2) combine_rows_avx2(job, (size_t)begin * row, (size_t)(end - begin) * row);
+    else
+#endif
+        combine_rows(job, (size_t)begin * row, (size_t)(end - begin) * row);
+    if (job->operation != ALGEBRA_COMPLEMENT || tail == ~UINT64_C(0)) return;
+    for (uint64_t r = begin; r < end; r++) job->result->words[((size_t)r + 1) * row - 1] &= tail;
+}
+
+static bvx_status combine_grids(bvx_context *ctx, const char *function, const bvx_grid *a, const bvx_grid *b, int32_t operation,
+                                bvx_grid *result)
+{
+    bvx_window window;
+    algebra_job job;
+    int mine;
+    if (ctx == NULL) return BVX_ERR_ARGUMENT;
+    if (result == NULL) return bvxi_fail_null(ctx, function, "result");
+    BVXI_TRY(bvxi_grid_check(ctx, function, a));
+    BVXI_TRY(bvxi_grid_check(ctx, function, b));
+    BVXI_TRY(bvxi_grid_same(ctx, function, a, b));
+    memcpy(window.low, a->low, sizeof window.low);
+    memcpy(window.size, a->size, sizeof window.size);
+    mine = result->words == NULL;
+    BVXI_TRY(bvxi_grid_open(ctx, function, &a->lattice, &window, result));
+    job.a = a;
+    job.b = b;
+    job.result = result;
+    job.operation = operation;
+    job.cpu = bvxi_cpu(ctx);
+    job.pieces = bvxi_piece_count(bvxi_grid_words(a), ALGEBRA_GRAIN);
+    if ((uint64_t)job.pieces > bvxi_grid_rows(a)) job.pieces = (int32_t)bvxi_grid_rows(a);
+    return bvxi_grid_fill_by(ctx, "combine", job.pieces, combine_piece, &job, mine, result);
+}
+
+/* ---- public ---- */
+
+bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
+{
+    return combine_grids(context, "bvx_grid_union", a, b, ALGEBRA_UNION, result);
+}
+
+bvx_status bvx_grid_intersection(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
+{
+    return combine_grids(context, "bvx_grid_intersection", a, b, ALGEBRA_INTERSECTION, result);
+}
+
+bvx_status bvx_grid_subtract(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
+{
+    return combine_grids(context, "bvx_grid_subtract", a, b, ALGEBRA_SUBTRACT, result);
+}
+
+bvx_status bvx_grid_xor(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
+{
+    return combine_grids(context, "bvx_grid_xor", a, b, ALGEBRA_XOR, result);
+}
+
+bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *grid, bvx_grid *result)
+{
+    return combine_grids(context, "bvx_grid_complement", grid, grid, ALGEBRA_COMPLEMENT, result);
+}

@@ -1,0 +1,176 @@
+/* crop.c - the box of what is set, other windows of a lattice, and lattices with a rim around.
+ *
+ * A row of the result is a row of the grid read from another bit on (bits/shift.h): two shifts a word. */
+#include "bits/shift.h"
+#include "grid/components.h"
+#include "grid/grid.h"
+
+enum { CROP_GRAIN = 4096 /* least words a piece */ };
+
+/* ---- content ---- */
+
+typedef struct content_box {
+    int32_t low[3], high[3]; /* low above high when nothing is set */
+} content_box;
+
+typedef struct content_job {
+    const bvx_grid *grid;
+    content_box *box; /* [Size: pieces] */
+    int32_t pieces;
+} content_job;
+
+/* The row's words are walked from both ends up to the first one that holds a bit. */
+static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t z, content_box *box)
+{
+    int32_t first = 0, last = words - 1;
+    while (first < words && row[first] == 0) first++;
+    if (first == words) return;
+    while (row[last] == 0) last--;
+    int32_t const low[3] = {first * BVXI_WORD_BITS + bvxi_lowest(row[first]), y, z};
+    int32_t const high[3] = {last * BVXI_WORD_BITS + bvxi_highest(row[last]), y, z};
+    for (int32_t a = 0; a < 3; a++) {
+        box->low[a] = low[a] < box->low[a] ? low[a] : box->low[a];
+        box->high[a] = high[a] > box->high[a] ? high[a] : box->high[a];
+    }
+}
+
+static void content_piece(void *user, int32_t index, int32_t worker)
+{
+    const content_job *const job = user;
+    const bvx_grid *const g = job->grid;
+    content_box box = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-1, -1, -1}};
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
+    for (uint64_t r = begin; r < end; r++)
+        widen_content(g->words + (size_t)r * (size_t)g->words_per_row, g->words_per_row, (int32_t)(r % (uint64_t)g->size[1]),
+                      (int32_t)(r / (uint64_t)g->size[1]), &box);
+    job->box[index] = box;
+}
+
+static void join_content(const content_job *job, bvx_window *window)
+{
+    content_box all = job->box[0];
+    for (int32_t p = 1; p < job->pieces; p++)
+        for (int32_t a = 0; a < 3; a++) {
+            all.low[a] = job->box[p].low[a] < all.low[a] ? job->box[p].low[a] : all.low[a];
+            all.high[a] = job->box[p].high[a] > all.high[a] ? job->box[p].high[a] : all.high[a];
+        }
+    for (int32_t a = 0; a < 3 && all.high[0] >= 0; a++) {
+        window->low[a] = job->grid->low[a] + all.low[a];
+        window->size[a] = all.high[a] - all.low[a] + 1;
+    }
+}
+
+static int32_t crop_pieces(const bvx_grid *grid)
+{
+    int32_t const pieces = bvxi_piece_count(bvxi_grid_words(grid), CROP_GRAIN);
+    return (uint64_t)pieces > bvxi_grid_rows(grid) ? (int32_t)bvxi_grid_rows(grid) : pieces;
+}
+
+bvx_status bvx_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window)
+{
+    static const char *const function = "bvx_grid_content";
+    content_job job;
+    bvx_status status;
+    uint64_t bytes;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (window == NULL) return bvxi_fail_null(context, function, "window");
+    memset(window, 0, sizeof *window);
+    BVXI_TRY(bvxi_grid_check(context, function, grid));
+    job.grid = grid;
+    job.pieces = crop_pieces(grid);
+    bytes = (uint64_t)job.pieces * sizeof *job.box;
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the parts' boxes", &job.box));
+    status = bvxi_parallel(context, "content", 0.0, 1.0, job.pieces, content_piece, &job);
+    if (status == BVX_OK) join_content(&job, window);
+    bvxi_free(context, job.box, bytes);
+    return status;
+}
+
+/* ---- another window, another lattice ---- */
+
+typedef struct crop_job {
+    const bvx_grid *grid;
+    bvx_grid *result;
+    int32_t from[3]; /* the grid's voxel at the result's first one; may lie outside */
+    int32_t pieces;
+} crop_job;
+
+static void crop_piece(void *user, int32_t index, int32_t worker)
+{
+    const crop_job *const job = user;
+    const bvx_grid *const g = job->grid;
+    bvx_grid *const to = job->result;
+    uint64_t const rows = (uint64_t)to->size[1], tail = bvxi_tail_mask(to->size[0]);
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
+    for (uint64_t r = begin; r < end; r++) {
+        int64_t const y = (int64_t)(r % rows) + job->from[1], z = (int64_t)(r / rows) + job->from[2];
+        uint64_t *const row = to->words + (size_t)r * (size_t)to->words_per_row;
+        if (y < 0 || z < 0 || y >= g->size[1] || z >= g->size[2]) {
+            memset(row, 0, (size_t)to->words_per_row * 8);
+            continue;
+        }
+        bvxi_shift_row(g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row, g->words_per_row,
+                       job->from[0], row, to->words_per_row);
+        row[to->words_per_row - 1] &= tail;
+    }
+}
+
+/* What a grid has from its voxel `from` on, as a window of a lattice. */
+static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_lattice *lattice,
+                            const bvx_window *window, const int32_t from[3], bvx_grid *result)
+{
+    int const mine = result->words == NULL;
+    crop_job job;
+    BVXI_TRY(bvxi_grid_open(ctx, function, lattice, window, result));
+    job.grid = grid;
+    job.result = result;
+    memcpy(job.from, from, sizeof job.from);
+    job.pieces = crop_pieces(result);
+    return bvxi_grid_fill_by(ctx, "crop", job.pieces, crop_piece, &job, mine, result);
+}
+
+bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window, bvx_grid *result)
+{
+    static const char *const function = "bvx_grid_crop";
+    int32_t from[3];
+    bvx_window w;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
+    BVXI_TRY(bvxi_grid_check(context, function, grid));
+    BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, window, &w));
+    for (int32_t a = 0; a < 3; a++) from[a] = w.low[a] - grid->low[a];
+    return move_grid(context, function, grid, &grid->lattice, &w, from, result);
+}
+
+bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3], const int32_t high[3], bvx_grid *result)
+{
+    static const char *const function = "bvx_grid_pad";
+    int32_t dims[3], from[3];
+    double origin[3];
+    bvx_lattice lattice;
+    bvx_window w;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (low == NULL || high == NULL) return bvxi_fail_null(context, function, low == NULL ? "low" : "high");
+    BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
+    BVXI_TRY(bvxi_grid_check(context, function, grid));
+    for (int32_t a = 0; a < 3; a++) {
+        int32_t const room = BVXI_MAX_SIDE - grid->lattice.dims[a];
+        if (low[a] < 0 || high[a] < 0)
+            return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: low[%d] is %d and high[%d] is %d; 0 and more are possible", function, (int64_t)a,
+                             (int64_t)low[a], (int64_t)a, (int64_t)high[a]);
+        if (low[a] > room || high[a] > room - low[a])
+            return bvxi_fail(context, BVX_ERR_RANGE, "%s: the lattice would have %d voxels along axis %d; %d are possible", function,
+                             (int64_t)grid->lattice.dims[a] + low[a] + high[a], (int64_t)a, (int64_t)BVXI_MAX_SIDE);
+        dims[a] = grid->lattice.dims[a] + low[a] + high[a];
+        origin[a] = grid->lattice.origin[a] - (double)low[a] * grid->lattice.spacing[a];
+        from[a] = -low[a];
+        w.low[a] = grid->low[a];
+        w.size[a] = grid->size[a] + low[a] + high[a];
+    }
+    BVXI_TRY(bvxi_lattice_build(context, function, origin, grid->lattice.spacing, dims, &lattice));
+    return move_grid(context, function, grid, &lattice, &w, from, result);
+}

@@ -1,0 +1,45 @@
+/* same.c - what operations on grids ask before and after: of one lattice and window? another grid? filled to the end? */
+#include "grid/grid.h"
+
+static bvx_status fail_same(bvx_context *ctx, const char *function, const char *field, double a, double b)
+{
+    return bvxi_fail(ctx, BVX_ERR_LATTICE, "%s: the grids differ in %s, %g in a and %g in b", function, field, a, b);
+}
+
+bvx_status bvxi_grid_same(bvx_context *ctx, const char *function, const bvx_grid *a, const bvx_grid *b)
+{
+    static const char *const names[5][3] = {
+        {"the lattice's origin along x", "the lattice's origin along y", "the lattice's origin along z"},
+        {"the lattice's spacing along x", "the lattice's spacing along y", "the lattice's spacing along z"},
+        {"the lattice's dims along x", "the lattice's dims along y", "the lattice's dims along z"},
+        {"the window's low along x", "the window's low along y", "the window's low along z"},
+        {"the window's size along x", "the window's size along y", "the window's size along z"}};
+    for (int32_t f = 0; f < 5; f++)
+        for (int32_t i = 0; i < 3; i++) {
+            double const of_a[5] = {a->lattice.origin[i], a->lattice.spacing[i], (double)a->lattice.dims[i], (double)a->low[i],
+                                    (double)a->size[i]};
+            double const of_b[5] = {b->lattice.origin[i], b->lattice.spacing[i], (double)b->lattice.dims[i], (double)b->low[i],
+                                    (double)b->size[i]};
+            if (of_a[f] != of_b[f]) return fail_same(ctx, function, names[f][i], of_a[f], of_b[f]);
+        }
+    if (a->lattice.fraction_bits != b->lattice.fraction_bits)
+        return fail_same(ctx, function, "the lattice's fraction_bits", (double)a->lattice.fraction_bits,
+                         (double)b->lattice.fraction_bits);
+    return BVX_OK;
+}
+
+bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_grid *result)
+{
+    if (result == NULL) return bvxi_fail_null(ctx, function, "result");
+    if (grid == result || (grid != NULL && grid->words != NULL && grid->words == result->words))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the result is the grid itself; it needs words of its own", function);
+    return BVX_OK;
+}
+
+bvx_status bvxi_grid_fill_by(bvx_context *ctx, const char *stage, int32_t pieces, bvx_task_fn *task, void *user, int mine,
+                             bvx_grid *result)
+{
+    bvx_status const status = bvxi_parallel(ctx, stage, 0.0, 1.0, pieces, task, user);
+    if (status != BVX_OK && mine) bvx_grid_free(ctx, result);
+    return status;
+}

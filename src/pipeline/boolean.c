@@ -1,0 +1,240 @@
+/* boolean.c - union, intersection, difference and xor of two meshes: bvx_boolean.
+ *
+ * Two exact solids on one lattice, a word operation, marching cubes. A crossed edge of the result is crossed by a, by b or by both,
+ * and only the ends of edges that a body crosses are measured to it: its own surface, nowhere mixed with the other's. Where both
+ * cross, a union has the outer of the two cuts, the others the inner one (of xor no edge is crossed by both). */
+#include "field/nearest.h"
+#include "mesh/view.h"
+#include "pipeline/ends.h"
+#include "surface/field_surface.h"
+
+static const char boolean_name[] = "bvx_boolean";
+
+static const bvx_boolean_options boolean_defaults = {
+    0, NULL, 256, BVX_FILL_PARITY, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, 0, BVX_F32, 0, 0, NULL, {0, 0}};
+
+void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &boolean_defaults, sizeof boolean_defaults);
+}
+
+/* One of the meshes: its solid, and what is measured at the ends of the result's edges that it crosses. */
+typedef struct boolean_body {
+    const bvx_mesh_view *mesh;
+    bvx_grid solid, where;
+    uint64_t *first;     /* number of each row's first value [Size: rows + 1] */
+    double *vectors;     /* [Size: count * 3] */
+    double *distances;
+    uint32_t *triangles; /* sharp */
+    uint64_t count, room; /* values; those that the arrays hold */
+} boolean_body;
+
+typedef struct boolean_job {
+    bvx_context *ctx;
+    const bvx_boolean_options *options;
+    int32_t operation;
+    bvx_lattice lattice;
+    boolean_body body[2];
+    bvx_grid inside;
+    uint64_t grid_bytes, rows;
+    bvx_boolean_report report;
+} boolean_job;
+
+/* ---- Checks ---- */
+
+static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, const bvx_boolean_options *o)
+{
+    if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: operation %d is unknown", boolean_name, (int64_t)operation);
+    if (o->fill != BVX_FILL_PARITY && o->fill != BVX_FILL_NONZERO && o->fill != BVX_FILL_VOTE && o->fill != BVX_FILL_WINDING)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: fill %d is not BVX_FILL_PARITY, NONZERO, VOTE or WINDING", boolean_name,
+                         (int64_t)o->fill);
+    if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: interpolation %d is unknown", boolean_name, (int64_t)o->interpolation);
+    if (o->face_rule != BVX_FACE_SEPARATE && o->face_rule != BVX_FACE_JOIN)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: face rule %d is unknown", boolean_name, (int64_t)o->face_rule);
+    if (o->position_type != BVX_F32 && o->position_type != BVX_F64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither BVX_F32 nor BVX_F64", boolean_name,
+                         (int64_t)o->position_type);
+    if ((o->sharp & ~1) != 0 || (o->local_frame & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp and local_frame are 0 or 1", boolean_name);
+    if (o->reserved0 != 0 || o->reserved[0] != 0 || o->reserved[1] != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", boolean_name);
+    if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
+    if (o->resolution < 1 || o->resolution > 1 << 24)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: resolution %d is outside 1 to %d", boolean_name, (int64_t)o->resolution, (int64_t)1 << 24);
+    return BVX_OK;
+}
+
+/* ---- Lattice and solids ---- */
+
+/* Around the box of both meshes, which are checked on the way. */
+static bvx_status choose_boolean_lattice(boolean_job *job)
+{
+    static const char *const names[2] = {"bvx_boolean, mesh a", "bvx_boolean, mesh b"};
+    double box[3][3], low[3], high[3]; /* two corners, the first one again: the box as a triangle */
+    bvx_lattice_options o;
+    bvx_mesh_view view;
+    for (int32_t i = 0; i < 2; i++) {
+        BVXI_TRY(bvxi_view_check(job->ctx, names[i], job->body[i].mesh));
+        BVXI_TRY(bvxi_view_bounds(job->ctx, names[i], job->body[i].mesh, low, high));
+        for (int32_t a = 0; a < 3; a++) {
+            if (i == 0 || low[a] < box[0][a]) box[0][a] = low[a];
+            if (i == 0 || high[a] > box[1][a]) box[1][a] = high[a];
+        }
+    }
+    if (job->options->lattice != NULL) {
+        job->lattice = *job->options->lattice;
+        return BVX_OK;
+    }
+    memcpy(box[2], box[0], sizeof box[2]);
+    memset(&view, 0, sizeof view);
+    view.positions = box;
+    view.vertex_count = 3;
+    view.triangle_count = 1;
+    view.position_type = BVX_F64;
+    bvx_lattice_options_init(&o, sizeof o);
+    o.resolution = job->options->resolution;
+    o.padding = 1;
+    return bvx_lattice_fit_with(job->ctx, &view, &o, &job->lattice);
+}
+
+static bvx_status open_boolean_grid(boolean_job *job, const char *what, bvx_grid *grid)
+{
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, what, &grid->words));
+    grid->word_capacity = job->grid_bytes / 8;
+    return bvx_grid_create(job->ctx, &job->lattice, NULL, grid);
+}
+
+static bvx_status open_boolean_grids(boolean_job *job)
+{
+    uint64_t const words = bvx_grid_bound(&job->lattice, NULL);
+    if (words == 0 || words > SIZE_MAX / 8)
+        return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: a grid of %d x %d x %d voxels is beyond this machine's addresses", boolean_name,
+                         (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1], (int64_t)job->lattice.dims[2]);
+    job->grid_bytes = words * 8;
+    job->rows = (uint64_t)job->lattice.dims[1] * (uint64_t)job->lattice.dims[2];
+    for (int32_t i = 0; i < 2; i++) BVXI_TRY(open_boolean_grid(job, "a mesh's solid", &job->body[i].solid));
+    return open_boolean_grid(job, "the result's solid", &job->inside);
+}
+
+static bvx_status fill_boolean(boolean_job *job)
+{
+    static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
+        bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
+    bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
+    bvx_voxelize_options o;
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = job->options->fill;
+    for (int32_t i = 0; i < 2; i++) BVXI_TRY(bvx_voxelize_solid(job->ctx, job->body[i].mesh, &job->lattice, &o, &job->body[i].solid));
+    BVXI_TRY(combine[job->operation](job->ctx, a, b, &job->inside));
+    BVXI_TRY(bvx_grid_count(job->ctx, a, &job->report.voxels_a));
+    BVXI_TRY(bvx_grid_count(job->ctx, b, &job->report.voxels_b));
+    return bvx_grid_count(job->ctx, &job->inside, &job->report.voxels);
+}
+
+/* ---- Closest points ---- */
+
+static bvx_status measure_body(boolean_job *job, boolean_body *b, double from, double to)
+{
+    bvx_context *const ctx = job->ctx;
+    double const guess = bvxi_largest_spacing(&job->lattice) * (1 + 1e-6); /* ends of edges that the body crosses */
+    double const part = from + (to - from) * 0.3;
+    bvxi_nearest_values out;
+    bvxi_nearest *nearest = NULL;
+    bvx_status status;
+    BVXI_TRY(open_boolean_grid(job, "the centres that are measured", &b->where));
+    BVXI_TRY(bvxi_ends_mark(ctx, &job->inside, &b->solid, &b->where));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (job->rows + 1) * 8, "their rows", &b->first));
+    b->count = bvxi_ends_number(&b->where, b->first);
+    b->room = b->count;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 24, "their vectors", &b->vectors));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 8, "their distances", &b->distances));
+    if (job->options->sharp) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 4, "their triangles", &b->triangles));
+    if (b->count == 0) return BVX_OK;
+    memset(&out, 0, sizeof out);
+    out.value_type = BVX_F64;
+    out.vectors = b->vectors;
+    out.distances = b->distances;
+    out.triangles = b->triangles;
+    BVXI_TRY(bvxi_nearest_open(ctx, boolean_name, "measure", from, part, b->mesh, &job->lattice, &nearest));
+    status = bvxi_nearest_fill(ctx, "measure", part, to, nearest, guess, &b->where, b->first, &out);
+    bvxi_nearest_close(ctx, nearest);
+    return status;
+}
+
+static void close_body(boolean_job *job, boolean_body *b)
+{
+    bvxi_free(job->ctx, b->triangles, b->room * 4);
+    bvxi_free(job->ctx, b->distances, b->room * 8);
+    bvxi_free(job->ctx, b->vectors, b->room * 24);
+    bvxi_free(job->ctx, b->first, (job->rows + 1) * 8);
+    bvxi_free(job->ctx, b->where.words, job->grid_bytes);
+    bvxi_free(job->ctx, b->solid.words, job->grid_bytes);
+}
+
+/* ---- The surface ---- */
+
+static void take_body_values(const boolean_body *b, bvxi_edge_values *v)
+{
+    memset(v, 0, sizeof *v);
+    v->where = &b->where;
+    v->row_values = b->first;
+    v->value_type = BVX_F64;
+    v->vectors = b->vectors;
+    v->distances = b->distances;
+    v->triangles = b->triangles;
+    v->mesh = b->mesh;
+    v->inside = &b->solid;
+}
+
+static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
+{
+    bvx_field_surface_options o;
+    bvxi_edge_values values[2];
+    for (int32_t i = 0; i < 2; i++) take_body_values(&job->body[i], &values[i]);
+    values[0].second = &values[1];
+    values[0].outer = job->operation == BVX_BOOLEAN_UNION;
+    bvx_field_surface_options_init(&o, sizeof o);
+    o.interpolation = job->options->interpolation;
+    o.face_rule = job->options->face_rule;
+    o.sharp = job->options->sharp;
+    o.position_type = job->options->position_type;
+    o.local_frame = job->options->local_frame;
+    o.report = &job->report.surface;
+    return bvxi_field_surface(job->ctx, boolean_name, &job->inside, values, &o, result);
+}
+
+static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
+{
+    BVXI_TRY(choose_boolean_lattice(job));
+    job->report.lattice = job->lattice;
+    BVXI_TRY(open_boolean_grids(job));
+    BVXI_TRY(fill_boolean(job));
+    BVXI_TRY(measure_body(job, &job->body[0], 0.0, 0.5));
+    BVXI_TRY(measure_body(job, &job->body[1], 0.5, 1.0));
+    return extract_boolean(job, result);
+}
+
+bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,
+                       const bvx_boolean_options *options, bvx_mesh *result)
+{
+    bvx_boolean_options o = boolean_defaults;
+    boolean_job job;
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (result == NULL) return bvxi_fail_null(context, boolean_name, "result");
+    BVXI_TRY(bvxi_take_options(context, boolean_name, options, &o, sizeof o));
+    BVXI_TRY(check_boolean_options(context, operation, &o));
+    memset(&job, 0, sizeof job);
+    job.ctx = context;
+    job.options = &o;
+    job.operation = operation;
+    job.body[0].mesh = a;
+    job.body[1].mesh = b;
+    status = boolean_steps(&job, result);
+    bvxi_free(context, job.inside.words, job.grid_bytes);
+    for (int32_t i = 2; i-- > 0;) close_body(&job, &job.body[i]);
+    if (status == BVX_OK && o.report != NULL) *o.report = job.report;
+    return status;
+}

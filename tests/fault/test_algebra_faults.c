@@ -1,0 +1,334 @@
+/* test_algebra_faults.c - set algebra, blocks, windows and booleans of meshes with every allocation failing once, cancelled at
+ * every progress call, under every memory limit and in arenas of every size. */
+#include "fault/context.h"
+#include "tools/mesh_maker.h"
+
+/* ---- Inputs, made once ---- */
+
+static maker_mesh star[2];
+static bvx_mesh_view view[2];
+static bvx_grid a, b;
+static bvx_lattice finer;
+static bvx_context *maker; /* what made them */
+
+static int make_inputs(void **state)
+{
+    static const double centre[2][3] = {{17, 16, 15}, {24, 18, 16}}, radius[3] = {14, 13, 12};
+    uint64_t seed = 81;
+    bvx_context_options o = default_options();
+    (void)state;
+    o.threads = 1;
+    maker = context_with(&o);
+    for (int i = 0; i < 2; i++) {
+        maker_star(&star[i], &seed, centre[i], radius, 0.3, 9, 15, 65536);
+        view[i] = maker_view(&star[i]);
+    }
+    assert_int_equal(bvx_lattice_fit(maker, &view[0], 100, &finer), BVX_OK);
+    assert_int_equal(bvx_grid_create(maker, &finer, NULL, &a), BVX_OK);
+    assert_int_equal(bvx_grid_create(maker, &finer, NULL, &b), BVX_OK);
+    for (int32_t z = 0; z < finer.dims[2]; z++)
+        for (int32_t y = 0; y < finer.dims[1]; y++)
+            for (int32_t x = 0; x < finer.dims[0]; x++) {
+                bvx_grid_set(&a, x, y, z, maker_below(&seed, 3) == 0);
+                bvx_grid_set(&b, x, y, z, maker_below(&seed, 2) == 0);
+            }
+    for (int i = 0; i < 3; i++) finer.spacing[i] *= 0.7;
+    return 0;
+}
+
+static int free_inputs(void **state)
+{
+    (void)state;
+    bvx_grid_free(maker, &a);
+    bvx_grid_free(maker, &b);
+    assert_int_equal(bvx_memory_used(maker), 0);
+    bvx_context_destroy(maker);
+    maker_free(&star[0]);
+    maker_free(&star[1]);
+    return 0;
+}
+
+/* ---- Operations: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+
+static uint64_t mark;   /* a hash of what the last good run made */
+static int left_behind; /* a failed call left something in a result */
+
+static bvx_status end_grid(bvx_context *ctx, bvx_status status, bvx_grid *grid)
+{
+    if (status == BVX_OK) status = bvx_grid_hash(ctx, grid, &mark);
+    else left_behind |= grid->words != NULL || grid->size[0] != 0 || grid->owned != 0;
+    bvx_grid_free(ctx, grid);
+    return status;
+}
+
+static bvx_status unite(void *user, bvx_context *ctx)
+{
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_union(ctx, &a, &b, &g), &g);
+}
+
+static bvx_status invert(void *user, bvx_context *ctx)
+{
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_complement(ctx, &a, &g), &g);
+}
+
+static bvx_status reduce(void *user, bvx_context *ctx)
+{
+    static const int32_t factor[3] = {3, 2, 4};
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_downsample(ctx, &a, factor, BVX_REDUCE_MAJORITY, &g), &g);
+}
+
+static bvx_status cover(void *user, bvx_context *ctx)
+{
+    static const int32_t factor[3] = {4, 4, 4};
+    static uint32_t counts[20000];
+    uint64_t n;
+    bvx_status status;
+    (void)user;
+    memset(counts, 0, sizeof counts);
+    status = bvx_grid_coverage(ctx, &a, factor, counts, sizeof counts / sizeof *counts, &n);
+    if (status == BVX_OK) mark = bvx_hash(counts, sizeof counts, n);
+    return status;
+}
+
+static bvx_status find_content(void *user, bvx_context *ctx)
+{
+    static const bvx_window empty = {{0, 0, 0}, {0, 0, 0}};
+    bvx_window w;
+    bvx_status status;
+    (void)user;
+    memset(&w, 0x55, sizeof w);
+    status = bvx_grid_content(ctx, &a, &w);
+    if (status == BVX_OK) mark = bvx_hash(&w, sizeof w, 0);
+    else left_behind |= memcmp(&w, &empty, sizeof w) != 0;
+    return status;
+}
+
+static bvx_status crop(void *user, bvx_context *ctx)
+{
+    bvx_window const w = {{5, 6, 7}, {70, 60, 50}};
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_crop(ctx, &a, &w, &g), &g);
+}
+
+static bvx_status pad(void *user, bvx_context *ctx)
+{
+    static const int32_t low[3] = {5, 6, 7}, high[3] = {1, 2, 3};
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_pad(ctx, &a, low, high, &g), &g);
+}
+
+static bvx_status permute(void *user, bvx_context *ctx)
+{
+    static const int32_t axes[3] = {2, 0, 1}, flips[3] = {1, 0, 1};
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_permute(ctx, &a, axes, flips, &g), &g);
+}
+
+static bvx_status resample(void *user, bvx_context *ctx)
+{
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_resample(ctx, &a, &finer, NULL, &g), &g);
+}
+
+static bvx_status boolean_with(bvx_context *ctx, int32_t operation, int32_t sharp)
+{
+    bvx_boolean_options o;
+    bvx_mesh mesh = {0};
+    bvx_status status;
+    bvx_boolean_options_init(&o, sizeof o);
+    o.resolution = 20;
+    o.sharp = sharp;
+    status = bvx_boolean(ctx, &view[0], &view[1], operation, &o, &mesh);
+    if (status == BVX_OK) status = bvx_mesh_hash(ctx, &mesh, &mark);
+    else left_behind |= mesh.positions != NULL || mesh.triangles != NULL || mesh.vertex_count != 0;
+    bvx_mesh_free(ctx, &mesh);
+    return status;
+}
+
+static bvx_status join_meshes(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return boolean_with(ctx, BVX_BOOLEAN_UNION, 0);
+}
+
+static bvx_status cut_meshes(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return boolean_with(ctx, BVX_BOOLEAN_DIFFERENCE, 1);
+}
+
+typedef struct algebra_case {
+    const char *name;
+    fault_operation_fn *run;
+    uint64_t want; /* the mark of a good run */
+} algebra_case;
+
+static algebra_case cases[] = {
+    {"union", unite, 0}, {"complement", invert, 0}, {"downsample", reduce, 0}, {"coverage", cover, 0}, {"content", find_content, 0},
+    {"crop", crop, 0}, {"pad", pad, 0}, {"permute", permute, 0}, {"resample", resample, 0},
+    {"boolean union", join_meshes, 0}, {"boolean difference, sharp", cut_meshes, 0},
+};
+enum { CASES = sizeof cases / sizeof cases[0] };
+
+/* A good run always makes the same. */
+static bvx_status run_case(void *user, bvx_context *ctx)
+{
+    const algebra_case *const c = user;
+    bvx_status const status = c->run(NULL, ctx);
+    if (status == BVX_OK && mark != c->want) left_behind = 2;
+    return status;
+}
+
+static algebra_case *take_case(int i)
+{
+    left_behind = 0;
+    assert_int_equal(cases[i].run(NULL, maker), BVX_OK);
+    cases[i].want = mark;
+    return &cases[i];
+}
+
+static void assert_well(const algebra_case *c, const char *wrong)
+{
+    if (wrong != NULL) fail_msg("%s: %s", c->name, wrong);
+    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", c->name);
+    if (left_behind == 2) fail_msg("%s: another result than usual", c->name);
+}
+
+/* ---- Tests ---- */
+
+static void test_every_allocation_of_set_algebra_fails_once(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < CASES; i++) {
+            algebra_case *const c = take_case(i);
+            uint64_t allocations = 0;
+            assert_well(c, fault_every_allocation(run_case, c, &o, &allocations));
+            assert_true(allocations > 0);
+        }
+    }
+}
+
+static void test_set_algebra_cancels_at_every_progress_call(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < CASES; i++) {
+            algebra_case *const c = take_case(i);
+            uint64_t calls = 0;
+            assert_well(c, fault_every_cancel(run_case, c, &o, &calls));
+            assert_true(calls > 0);
+        }
+    }
+}
+
+static void test_set_algebra_under_every_memory_limit(void **state)
+{
+    enum { STEPS = 40 };
+    (void)state;
+    for (int i = 0; i < CASES; i++) {
+        algebra_case *const c = take_case(i);
+        uint64_t need = bvx_memory_used(maker);
+        bvx_memory_reset_peak(maker);
+        assert_int_equal(run_case(c, maker), BVX_OK);
+        assert_int_equal(bvx_memory_used(maker), need);
+        need = bvx_memory_peak(maker) - need;
+        for (uint64_t n = 0; n <= STEPS; n++) {
+            fault_heap heap = {0};
+            bvx_context_options const base = default_options();
+            bvx_context_options o = fault_options(&base, &heap);
+            bvx_context *ctx;
+            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
+            o.threads = 1;
+            ctx = context_with(&o);
+            assert_int_equal(run_case(c, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
+            bvx_context_destroy(ctx);
+            assert_well(c, fault_end(&heap));
+        }
+    }
+}
+
+static void test_set_algebra_lives_in_an_arena(void **state)
+{
+    enum { STEPS = 30 };
+    size_t const most = (size_t)1 << 21;
+    unsigned char *const memory = malloc(most);
+    (void)state;
+    assert_non_null(memory);
+    for (int i = 0; i < CASES; i++) {
+        algebra_case *const c = take_case(i);
+        for (size_t n = 1; n <= STEPS; n++) {
+            bvx_context_options o = default_options();
+            bvx_context *ctx;
+            bvx_status first;
+            o.arena = memory;
+            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
+            o.threads = 1;
+            ctx = context_with(&o);
+            first = run_case(c, ctx);
+            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
+            assert_int_equal(run_case(c, ctx), first); /* all of it came back */
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            bvx_context_destroy(ctx);
+        }
+        assert_well(c, NULL);
+    }
+    free(memory);
+}
+
+/* A result of the caller's words stays his, also when the call is cancelled. */
+static int32_t stop(void *user, const char *stage, double fraction)
+{
+    (void)user, (void)stage, (void)fraction;
+    return 1;
+}
+
+static void test_cancelled_in_place_keeps_the_words(void **state)
+{
+    bvx_context_options o = default_options();
+    bvx_grid own = a;
+    bvx_context *ctx;
+    size_t const words = (size_t)a.words_per_row * (size_t)a.size[1] * (size_t)a.size[2];
+    uint64_t *const copy = malloc(words * 8);
+    (void)state;
+    assert_non_null(copy);
+    memcpy(copy, a.words, words * 8);
+    own.words = copy;
+    own.owned = 0;
+    o.progress = stop;
+    o.threads = 1;
+    ctx = context_with(&o);
+    assert_int_equal(bvx_grid_union(ctx, &own, &b, &own), BVX_CANCELLED);
+    assert_ptr_equal(own.words, copy);
+    assert_int_equal(own.size[0], a.size[0]);
+    bvx_context_destroy(ctx);
+    free(copy);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_allocation_of_set_algebra_fails_once),
+        cmocka_unit_test(test_set_algebra_cancels_at_every_progress_call),
+        cmocka_unit_test(test_set_algebra_under_every_memory_limit),
+        cmocka_unit_test(test_set_algebra_lives_in_an_arena),
+        cmocka_unit_test(test_cancelled_in_place_keeps_the_words),
+    };
+    return cmocka_run_group_tests(tests, make_inputs, free_inputs);
+}

@@ -1,0 +1,250 @@
+/* test_morph_faults.c - morphology and distances with every allocation failing once, cancelled at every progress call, under every
+ * memory limit. */
+#include "fault/context.h"
+#include "tools/mesh_maker.h"
+
+static bvx_grid cubic, stretched;
+static bvx_context *maker;
+static uint64_t mark;   /* a hash of what the last good run made */
+static int left_behind; /* a failed call left something in a result */
+
+static void make_grid(double dz, bvx_grid *g)
+{
+    double const origin[3] = {0, 0, 0}, spacing[3] = {1, 1, dz};
+    int32_t const dims[3] = {70, 14, 12};
+    uint64_t seed = 5;
+    bvx_lattice l;
+    assert_int_equal(bvx_lattice_make(maker, origin, spacing, dims, &l), BVX_OK);
+    assert_int_equal(bvx_grid_create(maker, &l, NULL, g), BVX_OK);
+    for (int32_t z = 0; z < 12; z++)
+        for (int32_t y = 0; y < 14; y++)
+            for (int32_t x = 0; x < 70; x++) bvx_grid_set(g, x, y, z, maker_below(&seed, 60) != 0);
+}
+
+static int make_inputs(void **state)
+{
+    bvx_context_options o = default_options();
+    (void)state;
+    o.threads = 1;
+    maker = context_with(&o);
+    make_grid(1.0, &cubic);
+    make_grid(1.5, &stretched);
+    return 0;
+}
+
+static int free_inputs(void **state)
+{
+    (void)state;
+    bvx_grid_free(maker, &cubic);
+    bvx_grid_free(maker, &stretched);
+    assert_int_equal(bvx_memory_used(maker), 0);
+    bvx_context_destroy(maker);
+    return 0;
+}
+
+/* ---- Calls: each frees what it got and leaves its mark ---- */
+
+static bvx_status keep_grid(bvx_context *ctx, bvx_status status, bvx_grid *g)
+{
+    static const bvx_grid empty = {0};
+    if (status != BVX_OK) {
+        left_behind |= memcmp(g, &empty, sizeof *g) != 0;
+        return status;
+    }
+    assert_int_equal(bvx_grid_hash(ctx, g, &mark), BVX_OK);
+    bvx_grid_free(ctx, g);
+    return BVX_OK;
+}
+
+static bvx_status close_by_steps(void *user, bvx_context *ctx)
+{
+    bvx_morph_options o;
+    bvx_grid g = {0};
+    (void)user;
+    bvx_morph_options_init(&o, sizeof o);
+    o.neighbourhood = 18;
+    o.steps = 9;
+    return keep_grid(ctx, bvx_grid_close(ctx, &cubic, &o, &g), &g);
+}
+
+static bvx_status open_by_steps(void *user, bvx_context *ctx)
+{
+    bvx_morph_options o;
+    bvx_grid g = {0};
+    (void)user;
+    bvx_morph_options_init(&o, sizeof o);
+    o.steps = 17;
+    return keep_grid(ctx, bvx_grid_open(ctx, &cubic, &o, &g), &g);
+}
+
+static bvx_status open_by_a_ball(void *user, bvx_context *ctx)
+{
+    bvx_morph_options o;
+    bvx_grid g = {0};
+    (void)user;
+    bvx_morph_options_init(&o, sizeof o);
+    o.neighbourhood = 0;
+    o.radius = 2.5;
+    o.beyond = 1;
+    return keep_grid(ctx, bvx_grid_open(ctx, &stretched, &o, &g), &g);
+}
+
+static bvx_status erode_by_a_large_ball(void *user, bvx_context *ctx)
+{
+    bvx_morph_options o;
+    bvx_grid g = {0};
+    (void)user;
+    bvx_morph_options_init(&o, sizeof o);
+    o.neighbourhood = 0;
+    o.radius = 60.0;
+    return keep_grid(ctx, bvx_grid_erode(ctx, &cubic, &o, &g), &g);
+}
+
+static bvx_status hollow(void *user, bvx_context *ctx)
+{
+    static const bvx_hollow_report untouched = {0, 0, {0, 0, 0}, {0}};
+    bvx_hollow_report report = untouched;
+    bvx_hollow_options o;
+    bvx_grid g = {0};
+    bvx_status status;
+    (void)user;
+    bvx_hollow_options_init(&o, sizeof o);
+    o.thickness = 1.0;
+    o.drain_radius = 1.5;
+    o.report = &report;
+    status = bvx_grid_hollow(ctx, &cubic, &o, &g);
+    left_behind |= status != BVX_OK && memcmp(&report, &untouched, sizeof report) != 0;
+    return keep_grid(ctx, status, &g);
+}
+
+static bvx_status measure(bvx_context *ctx, const bvx_grid *g, int32_t side)
+{
+    enum { VOXELS = 70 * 14 * 12 };
+    static float values[VOXELS];
+    static uint64_t nearest[VOXELS];
+    bvx_distance_options o;
+    bvx_status status;
+    bvx_distance_options_init(&o, sizeof o);
+    o.side = side;
+    o.nearest = nearest;
+    status = bvx_grid_distance(ctx, g, &o, BVX_F32, values, VOXELS);
+    if (status == BVX_OK) mark = bvx_hash(values, sizeof values, bvx_hash(nearest, sizeof nearest, 0));
+    return status;
+}
+
+static bvx_status distances(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return measure(ctx, &cubic, BVX_DISTANCE_INSIDE);
+}
+
+static bvx_status stretched_distances(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return measure(ctx, &stretched, BVX_DISTANCE_SIGNED);
+}
+
+typedef struct morph_kind {
+    const char *name;
+    fault_operation_fn *run;
+    uint64_t want; /* the mark of a good run */
+} morph_kind;
+
+static morph_kind kinds[] = {
+    {"close", close_by_steps, 0},       {"open", open_by_steps, 0}, {"ball", open_by_a_ball, 0},
+    {"large", erode_by_a_large_ball, 0}, {"hollow", hollow, 0},     {"distance", distances, 0},
+    {"stretched", stretched_distances, 0},
+};
+enum { KINDS = sizeof kinds / sizeof kinds[0] };
+
+static bvx_status run_kind(void *user, bvx_context *ctx)
+{
+    const morph_kind *const k = user;
+    bvx_status const status = k->run(NULL, ctx);
+    if (status == BVX_OK && mark != k->want) left_behind = 2;
+    return status;
+}
+
+static morph_kind *take_kind(int i)
+{
+    left_behind = 0;
+    assert_int_equal(kinds[i].run(NULL, maker), BVX_OK);
+    kinds[i].want = mark;
+    return &kinds[i];
+}
+
+static void assert_well(const morph_kind *k, const char *wrong)
+{
+    if (wrong != NULL) fail_msg("%s: %s", k->name, wrong);
+    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", k->name);
+    if (left_behind == 2) fail_msg("%s: another result than usual", k->name);
+}
+
+/* ---- Tests ---- */
+
+static void test_every_allocation_fails_once(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < KINDS; i++) {
+            morph_kind *const k = take_kind(i);
+            uint64_t allocations = 0;
+            assert_well(k, fault_every_allocation(run_kind, k, &o, &allocations));
+            assert_true(allocations > 3);
+        }
+    }
+}
+
+static void test_cancel_at_every_progress_call(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2) {
+        bvx_context_options o = default_options();
+        o.threads = threads;
+        for (int i = 0; i < KINDS; i++) {
+            morph_kind *const k = take_kind(i);
+            uint64_t calls = 0;
+            assert_well(k, fault_every_cancel(run_kind, k, &o, &calls));
+            assert_true(calls > 0);
+        }
+    }
+}
+
+static void test_under_every_memory_limit(void **state)
+{
+    enum { STEPS = 40 };
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        morph_kind *const k = take_kind(i);
+        uint64_t need = bvx_memory_used(maker);
+        bvx_memory_reset_peak(maker);
+        assert_int_equal(run_kind(k, maker), BVX_OK);
+        need = bvx_memory_peak(maker) - need;
+        for (uint64_t n = 0; n <= STEPS; n++) {
+            fault_heap heap = {0};
+            bvx_context_options const base = default_options();
+            bvx_context_options o = fault_options(&base, &heap);
+            bvx_context *ctx;
+            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1);
+            o.threads = 1;
+            ctx = context_with(&o);
+            assert_int_equal(run_kind(k, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
+            bvx_context_destroy(ctx);
+            assert_well(k, fault_end(&heap));
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_allocation_fails_once),
+        cmocka_unit_test(test_cancel_at_every_progress_call),
+        cmocka_unit_test(test_under_every_memory_limit),
+    };
+    return cmocka_run_group_tests(tests, make_inputs, free_inputs);
+}

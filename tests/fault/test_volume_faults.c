@@ -1,0 +1,273 @@
+/* test_volume_faults.c - volumes: thresholds, surfaces of levels, labels and readers with every allocation failing once, cancelled at
+ * every progress call, under every memory limit and in arenas of every size. */
+#include "fault/context.h"
+#include "tools/mesh_maker.h"
+
+#include <stdio.h>
+
+enum { VOLUME_X = 70, VOLUME_Y = 60, VOLUME_Z = 41, VOLUME_SAMPLES = VOLUME_X * VOLUME_Y * VOLUME_Z };
+
+/* ---- Inputs, made once ---- */
+
+static float floats[VOLUME_SAMPLES];
+static int16_t whole[VOLUME_SAMPLES];
+static bvx_volume_view float_view, whole_view;
+static char *text_file, *packed_file; /* NRRD: ascii; "gzip" of big-endian samples */
+static size_t text_size, packed_size;
+
+static int make_volumes(void **state)
+{
+    static const double origin[3] = {1, 2, 3}, spacing[3] = {1, 1, 2};
+    static const int32_t dims[3] = {VOLUME_X, VOLUME_Y, VOLUME_Z};
+    bvx_context_options const o = default_options();
+    bvx_context *const ctx = context_with(&o);
+    uint64_t seed = 5;
+    (void)state;
+    for (int i = 0; i < VOLUME_SAMPLES; i++) {
+        whole[i] = (int16_t)(maker_below(&seed, 400) - 100);
+        floats[i] = (float)whole[i];
+    }
+    memset(&float_view, 0, sizeof float_view);
+    assert_int_equal(bvx_lattice_make(ctx, origin, spacing, dims, &float_view.lattice), BVX_OK);
+    memcpy(float_view.size, dims, sizeof dims);
+    float_view.samples = floats;
+    float_view.sample_type = BVX_SAMPLE_F32;
+    whole_view = float_view;
+    whole_view.samples = whole;
+    whole_view.sample_type = BVX_SAMPLE_I16;
+    bvx_context_destroy(ctx);
+    text_file = malloc(8 * VOLUME_SAMPLES + 256);
+    packed_file = malloc(2 * VOLUME_SAMPLES + 256);
+    assert_non_null(text_file);
+    assert_non_null(packed_file);
+    text_size = (size_t)sprintf(text_file, "NRRD0004\ntype: int16\ndimension: 3\nsizes: 70 60 41\nencoding: ascii\n\n");
+    packed_size = (size_t)sprintf(packed_file, "NRRD0004\ntype: int16\ndimension: 3\nsizes: 70 60 41\nencoding: gzip\nendian: big\n\n");
+    for (int i = 0; i < VOLUME_SAMPLES; i++) {
+        text_size += (size_t)sprintf(text_file + text_size, "%d ", whole[i]);
+        packed_file[packed_size++] = (char)((uint16_t)whole[i] >> 8);
+        packed_file[packed_size++] = (char)((uint16_t)whole[i] & 255);
+    }
+    return 0;
+}
+
+static int free_volumes(void **state)
+{
+    (void)state;
+    free(text_file);
+    free(packed_file);
+    return 0;
+}
+
+/* ---- Operations: each frees what it got and leaves its mark ---- */
+
+static uint64_t mark;
+static int left_behind;
+
+static bvx_status do_threshold(void *user, bvx_context *ctx)
+{
+    bvx_volume_report report;
+    bvx_grid grid = {0};
+    bvx_status status;
+    (void)user;
+    status = bvx_threshold(ctx, &float_view, 50, 200, &report, &grid);
+    left_behind |= status != BVX_OK && grid.words != NULL;
+    if (status == BVX_OK) mark = bvx_hash(grid.words, (size_t)grid.word_capacity * 8, bvx_hash(&report, sizeof report, 0));
+    bvx_grid_free(ctx, &grid);
+    return status;
+}
+
+static bvx_status do_scalar(void *user, bvx_context *ctx)
+{
+    bvx_scalar_options o;
+    bvx_volume_report report;
+    bvx_mesh mesh = {0};
+    bvx_status status;
+    (void)user;
+    bvx_scalar_options_init(&o, sizeof o);
+    o.level = 280;
+    o.keys = 1;
+    o.report = &report;
+    status = bvx_extract_scalar(ctx, &float_view, &o, &mesh);
+    left_behind |= status != BVX_OK && mesh.positions != NULL;
+    if (status == BVX_OK) status = bvx_mesh_hash(ctx, &mesh, &mark);
+    bvx_mesh_free(ctx, &mesh);
+    return status;
+}
+
+static bvx_status do_labels(void *user, bvx_context *ctx)
+{
+    static bvx_label labels[512];
+    uint64_t count = 0;
+    bvx_status status;
+    (void)user;
+    status = bvx_list_labels(ctx, &whole_view, labels, 512, &count);
+    if (status == BVX_OK) mark = bvx_hash(labels, (size_t)count * sizeof *labels, count);
+    return status;
+}
+
+static int32_t unpack_nothing(void *user, const void *packed, uint64_t packed_bytes, void *plain, uint64_t plain_bytes)
+{
+    (void)user;
+    if (packed_bytes != plain_bytes) return 1;
+    memcpy(plain, packed, (size_t)plain_bytes);
+    return 0;
+}
+
+static bvx_status read_one(bvx_context *ctx, const char *bytes, size_t size)
+{
+    bvx_read_volume_options o;
+    bvx_volume volume = {0};
+    bvx_status status;
+    bvx_read_volume_options_init(&o, sizeof o);
+    o.inflate = unpack_nothing;
+    status = bvx_read_volume(ctx, bytes, size, BVX_FORMAT_NRRD, &o, &volume);
+    left_behind |= status != BVX_OK && volume.view.samples != NULL;
+    if (status == BVX_OK) mark = bvx_hash(volume.view.samples, (size_t)volume.bytes, 0);
+    if (status == BVX_OK) assert_memory_equal(volume.view.samples, whole, sizeof whole);
+    bvx_volume_free(ctx, &volume);
+    return status;
+}
+
+static bvx_status do_text(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return read_one(ctx, text_file, text_size);
+}
+
+static bvx_status do_packed(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return read_one(ctx, packed_file, packed_size);
+}
+
+typedef struct operation {
+    const char *name;
+    fault_operation_fn *run;
+    uint64_t want;
+} operation;
+
+static operation operations[] = {
+    {"threshold", do_threshold, 0}, {"surface", do_scalar, 0}, {"labels", do_labels, 0}, {"text", do_text, 0}, {"packed", do_packed, 0},
+};
+enum { OPERATIONS = sizeof operations / sizeof operations[0] };
+
+static bvx_status run_operation(void *user, bvx_context *ctx)
+{
+    const operation *const q = user;
+    bvx_status const status = q->run(NULL, ctx);
+    if (status == BVX_OK && mark != q->want) left_behind = 2;
+    return status;
+}
+
+static operation *take_operation(int i)
+{
+    bvx_context_options const o = default_options();
+    bvx_context *const ctx = context_with(&o);
+    left_behind = 0;
+    assert_int_equal(operations[i].run(NULL, ctx), BVX_OK);
+    operations[i].want = mark;
+    bvx_context_destroy(ctx);
+    return &operations[i];
+}
+
+static void assert_well(const operation *q, const char *wrong)
+{
+    if (wrong != NULL) fail_msg("%s: %s", q->name, wrong);
+    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", q->name);
+    if (left_behind == 2) fail_msg("%s: another result than usual", q->name);
+}
+
+/* ---- Tests ---- */
+
+static void test_every_allocation_of_volumes_fails_once(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2)
+        for (int i = 0; i < OPERATIONS; i++) {
+            operation *const q = take_operation(i);
+            bvx_context_options o = default_options();
+            uint64_t allocations = 0;
+            o.threads = threads;
+            assert_well(q, fault_every_allocation(run_operation, q, &o, &allocations));
+            assert_true(allocations > 0);
+        }
+}
+
+static void test_volumes_cancel_at_every_progress_call(void **state)
+{
+    (void)state;
+    for (int32_t threads = 1; threads <= 3; threads += 2)
+        for (int i = 0; i < OPERATIONS; i++) {
+            operation *const q = take_operation(i);
+            bvx_context_options o = default_options();
+            uint64_t calls = 0;
+            o.threads = threads;
+            assert_well(q, fault_every_cancel(run_operation, q, &o, &calls));
+            assert_true(calls > 0);
+        }
+}
+
+static void test_volumes_under_every_memory_limit(void **state)
+{
+    enum { STEPS = 40 };
+    (void)state;
+    for (int i = 0; i < OPERATIONS; i++) {
+        operation *const q = take_operation(i);
+        bvx_context_options plain = default_options();
+        bvx_context *const free_ctx = context_with(&plain);
+        uint64_t need;
+        assert_int_equal(run_operation(q, free_ctx), BVX_OK);
+        need = bvx_memory_peak(free_ctx);
+        bvx_context_destroy(free_ctx);
+        for (uint64_t n = 0; n <= STEPS; n++) {
+            fault_heap heap = {0};
+            bvx_context_options o = fault_options(&plain, &heap);
+            bvx_context *ctx;
+            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
+            ctx = context_with(&o);
+            assert_int_equal(run_operation(q, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
+            bvx_context_destroy(ctx);
+            assert_well(q, fault_end(&heap));
+        }
+    }
+}
+
+static void test_volumes_live_in_an_arena(void **state)
+{
+    enum { STEPS = 20 };
+    size_t const most = (size_t)1 << 23;
+    unsigned char *const memory = malloc(most);
+    (void)state;
+    assert_non_null(memory);
+    for (int i = 0; i < OPERATIONS; i++) {
+        operation *const q = take_operation(i);
+        for (size_t n = 1; n <= STEPS; n++) {
+            bvx_context_options o = default_options();
+            bvx_context *ctx;
+            bvx_status first;
+            o.arena = memory;
+            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
+            ctx = context_with(&o);
+            first = run_operation(q, ctx);
+            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
+            assert_int_equal(run_operation(q, ctx), first); /* all of it came back */
+            assert_int_equal(bvx_memory_used(ctx), 0);
+            bvx_context_destroy(ctx);
+        }
+        assert_well(q, NULL);
+    }
+    free(memory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_allocation_of_volumes_fails_once),
+        cmocka_unit_test(test_volumes_cancel_at_every_progress_call),
+        cmocka_unit_test(test_volumes_under_every_memory_limit),
+        cmocka_unit_test(test_volumes_live_in_an_arena),
+    };
+    return cmocka_run_group_tests(tests, make_volumes, free_volumes);
+}

@@ -1,0 +1,353 @@
+/* query_cases.h - golden cases of questions to grids, meshes, octrees and fields, of files and of pictures; read in by golden.c. */
+#ifndef QUERY_CASES_H
+#define QUERY_CASES_H
+
+/* Numbers are hashed one after the other as little-endian bytes, whatever the machine's order. */
+static uint64_t mixed_word(uint64_t hash, uint64_t v)
+{
+    uint8_t bytes[8];
+    for (int i = 0; i < 8; i++) bytes[i] = (uint8_t)(v >> 8 * i & 0xff);
+    return bvx_hash(bytes, sizeof bytes, hash);
+}
+
+static uint64_t mixed_doubles(uint64_t hash, const double *values, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        uint64_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        hash = mixed_word(hash, bits);
+    }
+    return hash;
+}
+
+static uint64_t mixed_integers(uint64_t hash, const int32_t *values, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) hash = mixed_word(hash, (uint64_t)(int64_t)values[i]);
+    return hash;
+}
+
+enum { QUERY_COUNT = 200 };
+
+/* Points and rays from a fixed generator, in and round the torus. */
+static void query_numbers(double *numbers, uint64_t count)
+{
+    uint64_t state = 99;
+    for (uint64_t i = 0; i < count; i++) numbers[i] = (double)(shape_random(&state) >> 40) / 16777216.0 * 7.0 - 3.5;
+}
+
+static void grid_questions(golden *g, const bvx_grid *a, const bvx_grid *b)
+{
+    static double rays[6 * QUERY_COUNT], values[QUERY_COUNT], gradients[3 * QUERY_COUNT];
+    static bvx_ray_hit hits[QUERY_COUNT];
+    bvx_grid_difference d;
+    uint64_t h = 0;
+    query_numbers(rays, 6 * QUERY_COUNT);
+    if (golden_good(g, bvx_grid_cast(g->context, a, rays, QUERY_COUNT, 1e9, hits))) {
+        for (int i = 0; i < QUERY_COUNT; i++) {
+            h = mixed_integers(mixed_doubles(h, &hits[i].t, 1), hits[i].voxel, 3);
+            h = mixed_doubles(h, hits[i].position, 3) + (uint64_t)(hits[i].axis + 2 * hits[i].hit);
+        }
+        golden_hex(g, "cast", h);
+    }
+    if (golden_good(g, bvx_grid_sample(g->context, a, rays, QUERY_COUNT, values, gradients)))
+        golden_hex(g, "sample", mixed_doubles(mixed_doubles(0, values, QUERY_COUNT), gradients, 3 * QUERY_COUNT));
+    if (golden_good(g, bvx_grid_compare(g->context, a, b, &d))) {
+        golden_u64(g, "only_a", d.only_a);
+        golden_u64(g, "only_b", d.only_b);
+        golden_u64(g, "pieces", d.components_only_a + d.components_only_b);
+    }
+}
+
+static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surface)
+{
+    static double points[3 * QUERY_COUNT];
+    static bvx_closest_point found[QUERY_COUNT];
+    bvx_closest *closest = NULL;
+    bvx_certificate c;
+    bvx_distance_report r;
+    bvx_mesh_view other;
+    uint64_t h = 0;
+    query_numbers(points, 3 * QUERY_COUNT);
+    bvx_mesh_view_of(surface, &other);
+    if (golden_good(g, bvx_closest_create(g->context, view, &closest)) &&
+        golden_good(g, bvx_closest_find(g->context, closest, points, QUERY_COUNT, found))) {
+        for (int i = 0; i < QUERY_COUNT; i++) {
+            h = mixed_doubles(mixed_doubles(h, found[i].position, 3), found[i].weight, 3);
+            h = mixed_word(mixed_doubles(h, &found[i].distance, 1), found[i].triangle * 8u + (uint32_t)found[i].feature);
+        }
+        golden_hex(g, "closest", h);
+    }
+    bvx_closest_free(g->context, closest);
+    if (golden_good(g, bvx_mesh_check(g->context, view, 1, &c))) {
+        golden_u64(g, "edges", c.edges);
+        golden_hex(g, "volume", mixed_doubles(mixed_doubles(0, &c.volume, 1), &c.area, 1));
+    }
+    if (golden_good(g, bvx_mesh_distance(g->context, view, &other, 500, 3, &r))) golden_hex(g, "distance", mixed_doubles(0, &r.mean_a_to_b, 6));
+}
+
+static void question_cases(golden *g)
+{
+    bvx_mesh_view view;
+    bvx_lattice lattice;
+    bvx_grid parity = {0}, conservative = {0}, filled = {0};
+    bvx_mesh surface = {0};
+    bvx_fill_comparison fills;
+    bvx_seed seed;
+    int32_t pocket[3] = {0, 0, 0};
+    uint64_t pockets = 0, vertices = 0, triangles = 0;
+    shape_torus(&golden_shape, 48, 20, 0.25, 7);
+    shape_view(&golden_shape, &view);
+    golden_begin(g, "torus_40");
+    if (golden_good(g, bvx_lattice_fit(g->context, &view, 40, &lattice)) &&
+        golden_good(g, bvx_voxelize_solid(g->context, &view, &lattice, NULL, &parity)) &&
+        golden_good(g, bvx_voxelize_surface(g->context, &view, &lattice, NULL, &conservative)) &&
+        golden_good(g, bvx_extract_surface(g->context, &parity, NULL, &surface))) {
+        grid_questions(g, &parity, &conservative);
+        mesh_questions(g, &view, &surface);
+        if (golden_good(g, bvx_extract_count(g->context, &parity, NULL, &vertices, &triangles))) golden_u64(g, "vertices", vertices);
+        if (golden_good(g, bvx_faces_count(g->context, &parity, NULL, &vertices, &triangles))) golden_u64(g, "faces", triangles);
+        if (golden_good(g, bvx_compare_fills(g->context, &view, &lattice, NULL, &fills))) golden_u64(g, "lost", fills.lost_voxels);
+        if (golden_good(g, bvx_find_seed(g->context, &conservative, &view, 0, &seed))) golden_hex(g, "seed", mixed_integers(0, seed.voxel, 3));
+        if (golden_good(g, bvx_find_pockets(g->context, &conservative, &view, pocket, 1, &pockets)) &&
+            golden_good(g, bvx_grid_fill(g->context, &conservative, pocket, pockets, 6, &filled)))
+            grid_value(g, "pocket", &filled);
+    }
+    golden_end(g);
+    bvx_mesh_free(g->context, &surface);
+    bvx_grid_free(g->context, &conservative);
+    bvx_grid_free(g->context, &parity);
+}
+
+/* ---- Octrees: what they answer ---- */
+
+static void tree_questions(golden *g, const bvx_octree *tree)
+{
+    static double rays[6 * QUERY_COUNT];
+    static bvx_octree_leaf leaves[QUERY_COUNT];
+    static bvx_octree_hit hits[QUERY_COUNT];
+    bvx_octree_level level[8];
+    uint64_t h = 0, beside = 0;
+    bvx_lattice lattice;
+    int32_t const first[3] = {0, 0, 0};
+    query_numbers(rays, 6 * QUERY_COUNT);
+    if (golden_good(g, bvx_octree_find(g->context, tree, rays, QUERY_COUNT, leaves))) {
+        for (int i = 0; i < QUERY_COUNT; i++) h = mixed_word(mixed_integers(h, leaves[i].ijk, 3), leaves[i].level * 8u + leaves[i].state);
+        golden_hex(g, "find", h);
+    }
+    h = 0;
+    if (golden_good(g, bvx_octree_cast(g->context, tree, 0, rays, QUERY_COUNT, 1e9, hits))) {
+        for (int i = 0; i < QUERY_COUNT; i++) h = mixed_integers(mixed_doubles(h, hits[i].position, 3), hits[i].leaf.ijk, 3);
+        golden_hex(g, "cast", h);
+    }
+    if (golden_good(g, bvx_octree_at(g->context, tree, first, 1, leaves)) &&
+        golden_good(g, bvx_octree_neighbours(g->context, tree, &leaves[0], 3, NULL, 0, &beside)))
+        golden_u64(g, "beside", beside);
+    if (golden_good(g, bvx_octree_count(g->context, tree, level, 8))) golden_u64(g, "inside", level[bvx_octree_levels(tree)].inside);
+    if (golden_good(g, bvx_octree_lattice(g->context, tree, 0, &lattice))) golden_hex(g, "base", mixed_doubles(0, lattice.spacing, 3));
+    if (golden_good(g, bvx_octree_leaves(g->context, tree, 0, NULL, 0, &beside))) golden_u64(g, "leaves", beside);
+}
+
+static void file_value(golden *g, const char *key, bvx_status status, bvx_buffer *file)
+{
+    if (golden_good(g, status)) golden_hex(g, key, bvx_hash(file->bytes, (size_t)file->size, 0));
+    bvx_buffer_free(g->context, file);
+}
+
+static void tree_question_cases(golden *g)
+{
+    bvx_mesh_view view;
+    bvx_refine_options o;
+    bvx_lattice base;
+    bvx_octree *tree = NULL, *back = NULL;
+    bvx_buffer file = {0};
+    bvx_grid grid = {0};
+    shape_torus(&golden_shape, 48, 20, 0.25, 7);
+    shape_view(&golden_shape, &view);
+    bvx_refine_options_init(&o, sizeof o);
+    golden_begin(g, "torus_60");
+    if (golden_good(g, bvx_refine_choose(g->context, &view, 60, &o, &base)) && golden_good(g, bvx_refine(g->context, &view, &base, &o, &tree))) {
+        golden_u64(g, "levels", (uint64_t)o.levels);
+        tree_questions(g, tree);
+        if (golden_good(g, bvx_octree_expand(g->context, tree, o.levels, 0, NULL, &grid))) grid_value(g, "expanded", &grid);
+        file_value(g, "vtu", bvx_write_octree(g->context, tree, 0, BVX_FORMAT_VTU, &file), &file);
+        if (golden_good(g, bvx_write_octree(g->context, tree, 0, BVX_FORMAT_BVX, &file)) &&
+            golden_good(g, bvx_read_octree(g->context, file.bytes, file.size, &back))) {
+            golden_hex(g, "bvx", bvx_hash(file.bytes, (size_t)file.size, 0));
+            bvx_octree_free(g->context, back);
+        }
+        bvx_buffer_free(g->context, &file);
+    }
+    golden_end(g);
+    bvx_octree_free(g->context, tree);
+}
+
+/* ---- Files: written, read again, written again to the same bytes ---- */
+
+static void grid_files(golden *g, const bvx_grid *grid)
+{
+    static const struct {
+        const char *name;
+        int32_t format;
+    } formats[] = {{"npy", BVX_FORMAT_NPY}, {"binvox", BVX_FORMAT_BINVOX}, {"vox", BVX_FORMAT_VOX},
+                   {"nrrd", BVX_FORMAT_NRRD}, {"vti", BVX_FORMAT_VTI}, {"bvx", BVX_FORMAT_BVX}};
+    bvx_buffer side = {0}, head = {0}, slices = {0};
+    golden_begin(g, "grids");
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+        bvx_buffer file = {0};
+        bvx_grid back = {0};
+        uint64_t set = 0;
+        if (!golden_good(g, bvx_write_grid(g->context, grid, formats[i].format, &file))) continue;
+        golden_hex(g, formats[i].name, bvx_hash(file.bytes, (size_t)file.size, 0));
+        if (golden_good(g, bvx_read_grid(g->context, file.bytes, file.size, formats[i].format, NULL, &back)) &&
+            golden_good(g, bvx_grid_count(g->context, &back, &set)))
+            golden_u64(g, "set", set);
+        bvx_grid_free(g->context, &back);
+        bvx_buffer_free(g->context, &file);
+    }
+    if (golden_good(g, bvx_write_lattice(g->context, grid, &side))) {
+        bvx_grid copy = {0};
+        golden_hex(g, "side_car", bvx_hash(side.bytes, (size_t)side.size, 0));
+        if (golden_good(g, bvx_grid_create(g->context, &grid->lattice, NULL, &copy)) &&
+            golden_good(g, bvx_read_lattice(g->context, side.bytes, side.size, &copy)))
+            golden_hex(g, "origin", mixed_doubles(0, copy.lattice.origin, 3));
+        bvx_grid_free(g->context, &copy);
+    }
+    bvx_buffer_free(g->context, &side);
+    file_value(g, "head", bvx_write_head(g->context, &grid->lattice, NULL, &head), &head);
+    file_value(g, "slices", bvx_write_slices(g->context, grid, &slices), &slices);
+    golden_end(g);
+}
+
+static void mesh_files(golden *g, bvx_mesh *mesh)
+{
+    static const struct {
+        const char *name;
+        int32_t format;
+    } formats[] = {{"stl", BVX_FORMAT_STL}, {"obj", BVX_FORMAT_OBJ}, {"ply", BVX_FORMAT_PLY}, {"off", BVX_FORMAT_OFF}, {"glb", BVX_FORMAT_GLB}};
+    golden_begin(g, "meshes");
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+        bvx_buffer file = {0};
+        bvx_mesh back = {0};
+        if (!golden_good(g, bvx_write_mesh(g->context, mesh, formats[i].format, &file))) continue;
+        golden_hex(g, formats[i].name, bvx_hash(file.bytes, (size_t)file.size, 0));
+        if (formats[i].format != BVX_FORMAT_GLB && golden_good(g, bvx_read_mesh(g->context, file.bytes, file.size, formats[i].format, &back)))
+            mesh_value(g, "back", BVX_OK, &back);
+        bvx_buffer_free(g->context, &file);
+    }
+    golden_end(g);
+}
+
+/* Colours by position on one mesh, carried to another. */
+static void carried(golden *g, bvx_mesh *source, bvx_mesh *target)
+{
+    static uint8_t colours[4 * 20000];
+    if (source->vertex_count > 20000) return;
+    for (uint64_t i = 0; i < source->vertex_count * 4; i++) colours[i] = (uint8_t)(i * 37 % 251);
+    golden_begin(g, "carried");
+    source->colours = colours;
+    if (golden_good(g, bvx_mesh_carry(g->context, source, target)))
+        golden_hex(g, "colours", bvx_hash(target->colours, (size_t)target->vertex_count * 4, 0));
+    source->colours = NULL;
+    golden_end(g);
+}
+
+static void dense_values(golden *g, const bvx_mesh_view *view, const bvx_lattice *lattice)
+{
+    static float values[1 << 16];
+    bvx_field_options o;
+    bvx_field field = {0};
+    golden_begin(g, "dense");
+    bvx_field_options_init(&o, sizeof o);
+    o.features = 1;
+    o.half_width = 1;
+    if (golden_good(g, bvx_measure_field(g->context, view, lattice, &o, &field))) {
+        uint64_t const voxels = (uint64_t)field.band.size[0] * (uint64_t)field.band.size[1] * (uint64_t)field.band.size[2];
+        if (voxels <= sizeof values / sizeof values[0] && golden_good(g, bvx_field_dense(g->context, &field, view, BVX_FAR_PROPAGATED, 0, values))) {
+            uint64_t h = 0;
+            for (uint64_t i = 0; i < voxels; i++) {
+                double const v = (double)values[i];
+                h = mixed_doubles(h, &v, 1);
+            }
+            golden_hex(g, "propagated", h);
+            h = 0;
+            for (int32_t x = 0; x < field.band.size[0]; x++)
+                h = mixed_word(h, bvx_field_value(&field, x, field.band.size[1] / 2, field.band.size[2] / 2));
+            golden_hex(g, "numbers", h);
+        }
+    }
+    bvx_field_free(g->context, &field);
+    golden_end(g);
+}
+
+static void file_cases(golden *g)
+{
+    bvx_mesh_view view;
+    bvx_lattice_options fit;
+    bvx_lattice lattice;
+    bvx_grid solid = {0};
+    bvx_extract_options o;
+    bvx_mesh parts[1] = {{0}}, merged = {0};
+    shape_torus(&golden_shape, 24, 12, 0.25, 5);
+    shape_view(&golden_shape, &view);
+    bvx_lattice_options_init(&fit, sizeof fit);
+    fit.resolution = 30;
+    fit.padding = 1;
+    bvx_extract_options_init(&o, sizeof o);
+    o.keys = 1;
+    if (bvx_lattice_fit_with(g->context, &view, &fit, &lattice) == BVX_OK && bvx_voxelize_solid(g->context, &view, &lattice, NULL, &solid) == BVX_OK &&
+        bvx_extract_surface(g->context, &solid, &o, &parts[0]) == BVX_OK) {
+        grid_files(g, &solid);
+        dense_values(g, &view, &lattice);
+        golden_begin(g, "merged");
+        if (golden_good(g, bvx_mesh_merge(g->context, parts, 1, &merged))) {
+            uint64_t hash = 0;
+            if (golden_good(g, bvx_mesh_hash(g->context, &merged, &hash))) golden_hex(g, "mesh", hash);
+        }
+        golden_end(g);
+        mesh_files(g, &merged);
+        carried(g, &parts[0], &merged);
+    }
+    bvx_mesh_free(g->context, &merged);
+    bvx_mesh_free(g->context, &parts[0]);
+    bvx_grid_free(g->context, &solid);
+}
+
+/* ---- Pictures ---- */
+
+static void picture_value(golden *g, const char *key, bvx_status status, bvx_image *image)
+{
+    bvx_buffer file = {0};
+    if (golden_good(g, status)) file_value(g, key, bvx_write_png(g->context, image, &file), &file);
+    bvx_image_free(g->context, image);
+}
+
+static void picture_cases(golden *g)
+{
+    bvx_mesh_view view;
+    bvx_lattice lattice;
+    bvx_grid solid = {0}, thin = {0};
+    bvx_render_options o;
+    bvx_surface_options s;
+    bvx_image image = {0};
+    shape_torus(&golden_shape, 48, 20, 0.25, 7);
+    shape_view(&golden_shape, &view);
+    bvx_render_options_init(&o, sizeof o);
+    bvx_surface_options_init(&s, sizeof s);
+    s.mode = BVX_SURFACE_THIN;
+    o.width = 160;
+    o.height = 120;
+    golden_begin(g, "torus");
+    if (golden_good(g, bvx_lattice_fit(g->context, &view, 40, &lattice)) &&
+        golden_good(g, bvx_voxelize_solid(g->context, &view, &lattice, NULL, &solid)) &&
+        golden_good(g, bvx_voxelize_surface(g->context, &view, &lattice, &s, &thin))) {
+        picture_value(g, "mesh", bvx_render_mesh(g->context, &view, &o, &image), &image);
+        picture_value(g, "grid", bvx_render_grid(g->context, &solid, &o, &image), &image);
+        picture_value(g, "difference", bvx_render_difference(g->context, &solid, &thin, &o, &image), &image);
+        picture_value(g, "slices", bvx_render_slices(g->context, &solid, 2, 6, &o, &image), &image);
+    }
+    golden_end(g);
+    bvx_grid_free(g->context, &thin);
+    bvx_grid_free(g->context, &solid);
+}
+
+#endif

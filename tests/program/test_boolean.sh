@@ -1,0 +1,100 @@
+#!/bin/sh
+# test_boolean.sh [PROGRAM] - the boolean command of the bitvox program. PROGRAM is build/bitvox, or what BITVOX names. One line a
+# check, "ok NAME" or "not ok NAME"; the last line is "N passed, N failed[, N skipped]". Runs in the repository's root, works in a
+# folder of its own.
+set -u
+program=${1:-${BITVOX:-build/bitvox}}
+case $program in
+/*) ;;
+*) program=$PWD/$program ;;
+esac
+knot=$PWD/fixtures/knot.ply
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM
+cd "$work" || exit 1
+passed=0 failed=0 skipped=0
+
+result() { # NAME, 0 OR 1
+    if [ "$2" = 0 ]; then
+        passed=$((passed + 1)) && echo "ok $1"
+    else
+        failed=$((failed + 1)) && echo "not ok $1" && sed 's/^/#   /' err | head -n 5
+    fi
+}
+
+run() { # ARGUMENTS...: sets $status; out and err hold what was said
+    "$program" "$@" >out 2>err </dev/null
+    status=$?
+}
+
+# The result is certified by info, a second reading of the file.
+certified() { # NAME, ARGUMENTS...
+    name=$1
+    shift
+    rm -f result.ply
+    run boolean "$@" -o result.ply --quiet
+    [ $status = 0 ] && [ ! -s err ] && "$program" info result.ply --json 2>>err | grep -q '"closed": true, "manifold": true, "oriented": true'
+    result "$name" $?
+}
+
+refuses() { # STATUS, WORDS, ARGUMENTS...: one line with these words, and no file
+    want=$1 words=$2
+    shift 2
+    rm -f result.*
+    run boolean "$@"
+    [ $status = "$want" ] && [ "$(wc -l <err)" = 1 ] && grep -q -e "$words" err && [ ! -e result.ply ] && [ ! -e result.bvx ]
+    result "refused ($want): $words" $?
+}
+
+count() { sed -n 's/.*"set": \([0-9]*\).*/\1/p' out; }
+
+"$program" faces "$knot" -o blocks.ply --resolution 12 --quiet
+for operation in union intersection difference xor; do
+    certified "$operation of meshes" $operation "$knot" blocks.ply --resolution 48
+done
+certified 'sharp' difference blocks.ply "$knot" --resolution 48 --sharp
+certified 'interpolation' union blocks.ply "$knot" --resolution 48 --interpolation scalar
+certified 'fill' union blocks.ply "$knot" --resolution 48 --fill winding
+certified 'spacing' union blocks.ply "$knot" --spacing 0.2
+
+# Mesh and grid agree: the same voxels whatever goes out.
+run boolean union "$knot" blocks.ply -o both.bvx --resolution 64 --json
+united=$(count)
+run boolean intersection "$knot" blocks.ply -o common.npy --resolution 64 --json
+common=$(count)
+run boolean xor "$knot" blocks.ply -o alone.nrrd --resolution 64 --json
+alone=$(count)
+run boolean difference both.bvx common.npy -o result.bvx --json
+[ $status = 0 ] && [ "$(count)" = "$alone" ] && [ $((united - common)) = "$alone" ]
+result 'union less intersection is xor, of grids' $?
+run boolean xor "$knot" blocks.ply -o result.ply --resolution 64 --json
+[ "$(count)" = "$alone" ] && grep -q '"boolean": {"operation": "xor", "voxels_a": [0-9]*, "voxels_b": [0-9]*, "voxels": [0-9]*, "surfaces_kept": true}' out
+result 'as many voxels for a mesh, and the report for programs' $?
+run boolean difference both.bvx "$knot" -o result.vti --json
+[ $status = 0 ] && grep -q '"surfaces_kept": false' out
+result 'a mesh beside a grid' $?
+certified 'grids to a mesh' union both.bvx common.npy
+run boolean union both.bvx common.npy -o result.bvx
+grep -q '^union of both.bvx and common.npy -> result.bvx' out && grep -q '^  voxels ' out
+result 'text' $?
+"$program" voxelize "$knot" -o other.bvx --resolution 40 --quiet
+refuses 1 '--resample brings B to the lattice of A' union both.bvx other.bvx -o result.bvx
+run boolean intersection other.bvx both.bvx -o result.bvx --resample --json
+[ $status = 0 ] && [ "$(count)" -gt 1000 ]
+result 'another lattice, resampled' $?
+for n in 1 3; do "$program" boolean xor "$knot" blocks.ply -o t$n.ply --resolution 64 --threads $n --quiet; done
+cmp -s t1.ply t3.ply
+result 'threads do not show' $?
+
+refuses 2 'no operation' join "$knot" blocks.ply -o result.ply
+refuses 2 'lacks an input file' union "$knot" -o result.ply
+refuses 1 'No such file' union "$knot" missing.ply -o result.ply
+refuses 2 'no format that is written' union "$knot" blocks.ply -o result.txt
+refuses 2 'brings its own lattice' union "$knot" both.bvx -o result.ply --resolution 12
+refuses 2 '--sharp is for two meshes' union "$knot" blocks.ply -o result.bvx --sharp
+refuses 2 '--fill is for meshes' union both.bvx common.npy -o result.bvx --fill vote
+refuses 2 '--resample is for two grids' union "$knot" both.bvx -o result.bvx --resample
+refuses 1 'nothing is left' difference "$knot" "$knot" -o result.ply
+echo "$passed passed, $failed failed, $skipped skipped"
+[ $failed = 0 ]

@@ -1,0 +1,119 @@
+#!/bin/sh
+# test_volumes.sh [PROGRAM] - scalar volumes by the bitvox program: levels, ranges, labels, and the files that hold them. PROGRAM is
+# build/bitvox, or what BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is "N passed, N failed[, N skipped]".
+# Runs in the repository's root, works in a folder of its own; VOLUMES is the folder of real volumes [../shared/volumes].
+set -u
+program=${1:-${BITVOX:-build/bitvox}}
+case $program in
+/*) ;;
+*) program=$PWD/$program ;;
+esac
+fixtures=$PWD/fixtures
+volumes=${VOLUMES:-$PWD/../shared/volumes}
+case $volumes in
+/*) ;;
+*) volumes=$PWD/$volumes ;;
+esac
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM
+cd "$work" || exit 1
+passed=0 failed=0 skipped=0
+
+ok() { passed=$((passed + 1)); echo "ok $1"; }
+not_ok() { # NAME, WHY
+    failed=$((failed + 1))
+    echo "not ok $1"
+    echo "# $2"
+    sed 's/^/#   /' err | head -n 5
+}
+skip() { skipped=$((skipped + 1)); echo "ok $1 # SKIP $2"; }
+
+gives() { # NAME, STATUS, WORDS (in out or err), ARGUMENTS...
+    gives_name=$1 gives_status=$2 gives_words=$3
+    shift 3
+    "$program" "$@" >out 2>err </dev/null
+    status=$?
+    if [ "$status" != "$gives_status" ]; then not_ok "$gives_name" "exit status $status, not $gives_status"
+    elif ! cat out err | grep -q -e "$gives_words"; then not_ok "$gives_name" "nothing says '$gives_words'"
+    else ok "$gives_name"; fi
+}
+same() { # NAME, FILE, FILE
+    if cmp -s "$2" "$3"; then ok "$1"; else not_ok "$1" "$2 and $3 differ"; fi
+}
+
+waves=$fixtures/waves.nhdr labels=$fixtures/labels.npy
+: >out
+: >err
+
+# ---- levels and ranges ----
+gives 'a mesh of a level' 0 'closed, manifold' voxelize "$waves" -o level.ply --level 120
+gives 'its report' 0 '"volume": {"type": "u8", "size": \[48, 40, 32\], "least": 0, "greatest": 184, "nan": 0, "infinite": 0}' \
+    voxelize "$waves" -o level2.ply --level 120 --json
+gives 'the report says that it is closed' 0 '"closed": true, "manifold": true' voxelize "$waves" -o level2.ply --level 120 --json
+gives 'a grid of a level' 0 'voxels      3643 set' voxelize "$waves" -o level.bvx --level 120
+gives 'a range is the same' 0 '3643 set' voxelize "$waves" -o range.bvx --range 120,
+same 'grids of level and range' level.bvx range.bvx
+gives 'a range with both ends' 0 'set' voxelize "$waves" -o both.bvx --range 119.5,130
+gives 'a range without a low end' 0 'set' voxelize "$waves" -o under.bvx --range ,119.5
+gives 'below is the other side' 0 'set' voxelize "$waves" -o below.bvx --level 119.5 --below
+same 'grids of below and a range' under.bvx below.bvx
+gives 'a window' 0 'dims        10 x 20 x 16' voxelize "$waves" -o window.bvx --level 120 --window 20,10,8,30,30,24
+gives 'a window of the grid is that of the volume' 0 'dims' convert level.bvx -o window2.bvx --window 20,10,8,30,30,24
+same 'they are equal' window.bvx window2.bvx
+gives 'nothing in the range' 1 'no sample is in the range' voxelize "$waves" -o none.ply --level 250
+gives 'levels of detail of a volume' 0 'written: lod_0.ply, lod_1.ply' lod "$waves" -o lod_%d.ply --level 120 --levels 24,12
+gives 'faces of a volume' 0 'faces' faces "$waves" -o faces.ply --range 120,
+gives 'a picture of a volume' 0 'picture.png' render "$waves" -o picture.png --level 120
+
+# ---- samples alone ----
+gives 'a raw file' 0 '3643 set' voxelize "$fixtures/waves.raw" -o raw.bvx --shape 48,40,32 --sample-type u8 --voxel-size 1,1,1.25 --level 120
+same 'its grid is that of the head' raw.bvx level.bvx
+gives 'a raw file without shape' 2 'holds samples alone' voxelize "$fixtures/waves.raw" -o raw.bvx --level 120
+gives 'a raw file of another shape' 1 'but the file has 61440' voxelize "$fixtures/waves.raw" -o raw.bvx --shape 48,40,33 --sample-type u8 --level 120
+gives 'options of raw files for others' 2 'is for .raw files' voxelize "$waves" -o raw.bvx --level 120 --skip 5
+
+# ---- labels ----
+gives 'a mesh for each label' 0 '3 labels' voxelize "$labels" -o part_%d.stl --all-labels
+gives 'the labels in the report' 0 '"labels": \[{"value": 1, "voxels": 3071}, {"value": 2, "voxels": 5' voxelize "$labels" -o part_%d.stl --all-labels --json
+for n in 1 2 7; do gives "part $n is closed" 0 'closed      yes' info part_$n.stl; done
+gives 'one label' 0 'closed, manifold' voxelize "$labels" -o seven.stl --label 7
+same 'one label alone and among all' seven.stl part_7.stl
+gives 'labels need a number in the name' 2 'needs %d' voxelize "$labels" -o part.stl --all-labels
+gives 'a number without labels' 2 'is for --all-labels' voxelize "$labels" -o part_%d.stl --label 1
+
+# ---- refusals ----
+gives 'two choices' 2 'exclude each other' voxelize "$waves" -o a.bvx --level 5 --range 1,2
+gives 'below alone' 2 'needs --level' voxelize "$waves" -o a.bvx --below --range 1,2
+gives 'a range of nothing' 2 'two numbers' voxelize "$waves" -o a.bvx --range ,
+gives 'options of meshes' 2 'is for meshes' voxelize "$waves" -o a.bvx --level 5 --resolution 40
+gives 'a grid without a choice' 2 'choose voxels of a volume' voxelize level.bvx -o a.npy
+cp "$waves" lost.nhdr
+gives 'a data file that is not there' 1 'waves.raw' voxelize lost.nhdr -o a.bvx --level 5
+if ls a.* >/dev/null 2>&1; then not_ok 'nothing is left behind' "$(ls a.*)"; else ok 'nothing is left behind'; fi
+
+# ---- packed samples ----
+if "$program" info "$fixtures/knot.ply.gz" 2>&1 | grep -q 'without zlib'; then
+    skip 'gzip samples' 'made without zlib'
+elif command -v gzip >/dev/null 2>&1; then
+    { printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 32\nspacings: 1 1 1.25\nencoding: gzip\n\n' && gzip -c "$fixtures/waves.raw"; } >packed.nrrd
+    gives 'gzip samples' 0 '3643 set' voxelize packed.nrrd -o packed.bvx --level 120
+    same 'their grid' packed.bvx level.bvx
+    gzip -c "$fixtures/waves.raw" >other.raw.gz
+    printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 32\nspacings: 1 1 1.25\nencoding: gzip\ndata file: other.raw.gz\n' >apart.nhdr
+    gives 'gzip samples in another file' 0 '3643 set' voxelize apart.nhdr -o apart.bvx --level 120
+    same 'their grid too' apart.bvx level.bvx
+    gives 'what is other than 0 without a choice' 0 'set' voxelize apart.nhdr -o all.bvx
+    head -c 3000 packed.nrrd >cut.nrrd
+    gives 'gzip samples cut short' 1 'damaged' voxelize cut.nrrd -o cut.bvx --level 120
+fi
+
+# ---- real data ----
+if [ -f "$volumes/vtk_headsq_quarter.tar.gz" ] && tar -xzf "$volumes/vtk_headsq_quarter.tar.gz" 2>/dev/null; then
+    gives 'the CT head from its slices' 0 'closed, manifold' voxelize headsq/quarter.nhdr -o head.stl --level 1150
+else
+    skip 'the CT head from its slices' "no $volumes/vtk_headsq_quarter.tar.gz"
+fi
+
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" = 0 ]

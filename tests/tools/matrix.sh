@@ -1,0 +1,138 @@
+#!/bin/sh
+# matrix.sh - recompute the golden values by every compiler, flag, processor and system that is here, and compare their tables.
+# Called by `make matrix`, which hands over MAKE_COMMAND, BUILD and
+#     MATRIX=row,row   only these rows (names as printed)
+#     DEPS=1           install the compilers and emulators first (Debian and Ubuntu names, as root)
+# Every row builds the golden program with its settings and runs it; the hash is of the whole table that it printed. The
+# report goes to build/matrix/report.md. A row whose tools are missing is skipped and says so. The last line counts.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+: "${BUILD:=build}" "${MAKE_COMMAND:=make}"
+unset MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES CC CFLAGS CPPFLAGS LDFLAGS
+jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
+matrix=$BUILD/matrix
+logs=$matrix/logs
+TEST_SECONDS=${TEST_SECONDS:-1200}
+. tests/tools/counting.sh
+
+packages='clang gcc-i686-linux-gnu libc6-dev-i386-cross gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf
+    libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-powerpc64le-linux-gnu libc6-dev-ppc64el-cross
+    gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user musl-tools gcc-mingw-w64-x86-64 wine64 wine emscripten nodejs
+    gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm'
+if [ -n "${DEPS:-}" ]; then PACKAGES=$packages sh tests/tools/deps.sh; fi
+
+report=$matrix/report.md
+printf '| row | compiler | flags | golden rows | table | seconds |\n|---|---|---|--:|---|--:|\n' >"$report"
+hashes=$matrix/hashes
+: >"$hashes"
+
+# Is this row asked for?
+asked() { # NAME
+    case ",${MATRIX:-$1}," in *",$1,"*) return 0 ;; esac
+    return 1
+}
+
+# Run a built golden program and keep what it says of itself.
+table_of() { # NAME, COMPILER, FLAGS, COMMAND...
+    row_name=$1 row_compiler=$2 row_flags=$3
+    shift 3
+    row_log=$(log_of "run-$row_name")
+    row_start=$(date +%s)
+    $limit "$@" --print >"$row_log" 2>&1 </dev/null
+    row_status=$?
+    row_seconds=$(($(date +%s) - row_start))
+    add_counts "$row_name" "$row_log" $row_status $row_seconds
+    row_hash=$(tr -d '\r' <"$row_log" | grep '^= ' | cksum | cut -d ' ' -f 1)
+    row_count=$(tr -d '\r' <"$row_log" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed.*/\1 of \1+\2/p' | sed 's/+0$//')
+    echo "$row_hash" >>"$hashes"
+    echo "| $row_name | $row_compiler | $row_flags | ${row_count:-none} | $row_hash | $row_seconds |" >>"$report"
+}
+
+# One build; RUNNER and the arguments behind -- go to the golden program.
+row() { # NAME, RUNNER, MAKE SETTINGS..., [-- ARGUMENTS OF GOLDEN...]
+    name=$1 runner=$2
+    shift 2
+    compiler=cc cflags=-O3 suffix=
+    settings=$matrix/settings
+    : >"$settings"
+    while [ $# -gt 0 ] && [ "$1" != -- ]; do
+        case $1 in
+        CC=*) compiler=${1#CC=} ;;
+        CFLAGS=*) cflags=${1#CFLAGS=} ;;
+        SUFFIX=*)
+            suffix=${1#SUFFIX=}
+            shift
+            continue
+            ;;
+        esac
+        printf '%s\n' "$1" >>"$settings"
+        shift
+    done
+    [ $# = 0 ] || shift
+    asked "$name" || return 0
+    for tool in ${compiler%% *} $runner; do
+        case $tool in -*) continue ;; esac
+        if ! command -v "$tool" >/dev/null 2>&1; then
+            skip "$name" "$tool is missing"
+            return 0
+        fi
+    done
+    make_row() {
+        set --
+        while IFS= read -r setting; do set -- "$@" "$setting"; done <"$settings"
+        "$MAKE_COMMAND" --no-print-directory -j "$jobs" "$@" $goal
+    }
+    goal=golden-program
+    if ! make_row >"$(log_of "build-$name")" 2>&1 </dev/null; then
+        fail "$name: does not build" "$(log_of "build-$name")"
+        return 0
+    fi
+    goal=print-folder
+    folder=$(make_row)
+    version=$(${compiler} --version 2>/dev/null | head -n 1 | sed 's/ *([^)]*)//g')
+    table_of "$name" "$version" "$cflags${*:+, golden $*}" $runner "$folder/tests/golden/golden$suffix" "$@"
+}
+
+static='LDFLAGS=-static'
+bare='OPENMP=0 ZLIB=0 WERROR=1'
+
+# This machine: compilers, levels of optimisation, threads, kernels.
+for cc in gcc clang; do
+    row $cc-O0 '' CC=$cc CFLAGS=-O0 WERROR=1
+    row $cc-O2 '' CC=$cc CFLAGS=-O2 WERROR=1
+    row $cc-O3 '' CC=$cc CFLAGS=-O3 WERROR=1
+    row $cc-native '' CC=$cc 'CFLAGS=-O3 -march=native'
+    row $cc-distribution '' CC=$cc \
+        'CFLAGS=-g -O2 -std=gnu17 -fstack-protector-strong -Wformat -Werror=format-security -Wdate-time -D_FORTIFY_SOURCE=2'
+done
+for threads in 1 2 3 8; do row threads-$threads '' CC=gcc CFLAGS=-O3 WERROR=1 -- --threads $threads; done
+row portable '' CC=gcc CFLAGS=-O3 WERROR=1 -- --portable
+row flushed '' CC=gcc CFLAGS=-O3 WERROR=1 -- --flush --threads 1
+row flushed-portable '' CC=clang CFLAGS=-O3 WERROR=1 -- --flush --threads 1 --portable
+row musl '' CC=musl-gcc CFLAGS=-O2 $static $bare
+
+# Other processors, statically linked, under emulators; the first runs by itself on most x86 machines.
+row i686 '' CC=i686-linux-gnu-gcc AR=i686-linux-gnu-ar CFLAGS=-O2 $static $bare
+row aarch64 qemu-aarch64 CC=aarch64-linux-gnu-gcc AR=aarch64-linux-gnu-ar CFLAGS=-O2 $static $bare
+row aarch64-O3 qemu-aarch64 CC=aarch64-linux-gnu-gcc AR=aarch64-linux-gnu-ar CFLAGS=-O3 $static $bare -- --flush
+row armhf qemu-arm CC=arm-linux-gnueabihf-gcc AR=arm-linux-gnueabihf-ar CFLAGS=-O2 $static $bare
+row riscv64 qemu-riscv64 CC=riscv64-linux-gnu-gcc AR=riscv64-linux-gnu-ar CFLAGS=-O2 $static $bare
+row ppc64el qemu-ppc64le CC=powerpc64le-linux-gnu-gcc AR=powerpc64le-linux-gnu-ar CFLAGS=-O2 $static $bare
+row s390x qemu-s390x CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 $static $bare
+
+# Other systems.
+export WINEDEBUG=-all WINEPREFIX="${WINEPREFIX:-$(cd "$matrix" && pwd)/wine}"
+row windows wine CC=x86_64-w64-mingw32-gcc AR=x86_64-w64-mingw32-ar CFLAGS=-O2 $static $bare SUFFIX=.exe
+row wasm node CC=emcc AR=emar CFLAGS=-O2 'LDFLAGS=-O1 -sNODERAWFS=1 -sSINGLE_FILE=1 -sALLOW_MEMORY_GROWTH=1' OPENMP=0 ZLIB=0
+
+# No system at all; its table is one line, which bare.sh compares with the stored one.
+if asked cortex-m3; then check cortex-m3 sh tests/tools/bare.sh; fi
+
+different=$(sort -u "$hashes" | wc -l)
+if [ "$different" -gt 1 ]; then
+    fail "$different different tables"
+elif [ -s "$hashes" ]; then
+    pass "one table: $(head -n 1 "$hashes") of $(wc -l <"$hashes") rows"
+fi
+echo "report: $report"
+finish

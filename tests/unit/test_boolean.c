@@ -1,0 +1,373 @@
+/* test_boolean.c - booleans of meshes: the solid of the result against the combined solids bit for bit, its vertices against the
+ * surfaces of the operands, volumes against whole numbers. */
+#include "tools/mesh_maker.h"
+#include "unity.h"
+
+#include <math.h>
+
+static bvx_context *ctx;
+static maker_mesh first, second;
+static bvx_mesh_view a, b;
+static bvx_mesh made;
+static bvx_boolean_report report;
+static uint64_t seed;
+
+void setUp(void)
+{
+    bvx_context_options o;
+    bvx_context_options_init(&o, sizeof o);
+    o.threads = 1;
+    seed = 9;
+    memset(&first, 0, sizeof first);
+    memset(&second, 0, sizeof second);
+    memset(&report, 0, sizeof report);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+}
+
+void tearDown(void)
+{
+    bvx_mesh_free(ctx, &made);
+    maker_free(&first);
+    maker_free(&second);
+    uint64_t const used = bvx_memory_used(ctx);
+    bvx_context_destroy(ctx);
+    TEST_ASSERT_EQUAL_UINT64(0, used);
+}
+
+static bvx_boolean_options with(int32_t resolution)
+{
+    bvx_boolean_options o;
+    bvx_boolean_options_init(&o, sizeof o);
+    o.resolution = resolution;
+    o.report = &report;
+    return o;
+}
+
+static void run(int32_t operation, const bvx_boolean_options *o)
+{
+    bvx_mesh_free(ctx, &made);
+    bvx_status const status = bvx_boolean(ctx, &a, &b, operation, o, &made);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(ctx));
+}
+
+static bvx_certificate check(void)
+{
+    bvx_certificate c;
+    bvx_mesh_view v;
+    bvx_mesh_view_of(&made, &v);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &v, 0, &c));
+    TEST_ASSERT_TRUE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented);
+    TEST_ASSERT_EQUAL_UINT64(0, c.degenerate + c.collapsed + c.duplicates + c.unused_vertices);
+    return c;
+}
+
+static void make_stars(void)
+{
+    static const double centre[2][3] = {{20, 21, 19}, {31, 24, 22}}, radius[2][3] = {{16, 15, 13}, {14, 17, 12}};
+    maker_clear(&first);
+    maker_clear(&second);
+    maker_star(&first, &seed, centre[0], radius[0], 0.3, 11, 17, 65536);
+    maker_star(&second, &seed, centre[1], radius[1], 0.3, 12, 15, 65536);
+    a = maker_view(&first);
+    b = maker_view(&second);
+}
+
+static void make_boxes(const double low_a[3], const double high_a[3], const double low_b[3], const double high_b[3])
+{
+    maker_clear(&first);
+    maker_clear(&second);
+    maker_box(&first, low_a, high_a);
+    maker_box(&second, low_b, high_b);
+    a = maker_view(&first);
+    b = maker_view(&second);
+}
+
+static void solid_of(const bvx_mesh_view *mesh, const bvx_lattice *l, bvx_grid *grid)
+{
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, mesh, l, NULL, grid));
+}
+
+/* ---- Tests ---- */
+
+/* The surface passes between inside and outside centres, so the solid of the result is the combined solid. */
+static void test_solid_of_the_result_is_the_combined_solid(void)
+{
+    for (int sharp = 0; sharp < 2; sharp++)
+        for (int32_t op = 0; op < 4; op++) {
+            bvx_boolean_options o = with(40);
+            bvx_grid of_a = {0}, of_b = {0}, want = {0}, got = {0};
+            bvx_mesh_view view;
+            uint64_t count;
+            make_stars();
+            o.sharp = sharp;
+            o.position_type = BVX_F64;
+            run(op, &o);
+            check();
+            bvx_mesh_view_of(&made, &view);
+            solid_of(&a, &report.lattice, &of_a);
+            solid_of(&b, &report.lattice, &of_b);
+            solid_of(&view, &report.lattice, &got);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, (op == 0   ? bvx_grid_union
+                                             : op == 1 ? bvx_grid_intersection
+                                             : op == 2 ? bvx_grid_subtract
+                                                       : bvx_grid_xor)(ctx, &of_a, &of_b, &want));
+            if (!sharp) TEST_ASSERT_EQUAL_HEX64_ARRAY(want.words, got.words, (size_t)want.words_per_row * (size_t)(want.size[1] * want.size[2]));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &want, &count));
+            TEST_ASSERT_EQUAL_UINT64(count, report.voxels);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &of_a, &count));
+            TEST_ASSERT_EQUAL_UINT64(count, report.voxels_a);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &of_b, &count));
+            TEST_ASSERT_EQUAL_UINT64(count, report.voxels_b);
+            if (!sharp) TEST_ASSERT_EQUAL_UINT64(made.vertex_count, report.surface.edges);
+            else TEST_ASSERT_TRUE(report.surface.edges < made.vertex_count);
+            TEST_ASSERT_EQUAL_UINT64(0, report.surface.middle);
+            bvx_grid_free(ctx, &of_a);
+            bvx_grid_free(ctx, &of_b);
+            bvx_grid_free(ctx, &want);
+            bvx_grid_free(ctx, &got);
+        }
+}
+
+/* Largest and mean distance of the result's vertices to the nearer of the operands. */
+static double distance_to_operands(double *mean)
+{
+    bvx_closest *to[2];
+    double most = 0;
+    *mean = 0;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &a, &to[0]));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &b, &to[1]));
+    for (uint64_t v = 0; v < made.vertex_count; v++) {
+        bvx_closest_point p[2];
+        double d;
+        for (int i = 0; i < 2; i++) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, to[i], (double *)made.positions + 3 * v, 1, &p[i]));
+        d = p[0].distance < p[1].distance ? p[0].distance : p[1].distance;
+        most = d > most ? d : most;
+        *mean += d / (double)made.vertex_count;
+    }
+    bvx_closest_free(ctx, to[0]);
+    bvx_closest_free(ctx, to[1]);
+    return most;
+}
+
+static void test_vertices_lie_on_the_operands(void)
+{
+    make_stars();
+    for (int32_t op = 0; op < 4; op++) {
+        bvx_boolean_options o = with(48);
+        double mean, middle, most;
+        o.position_type = BVX_F64;
+        run(op, &o);
+        most = distance_to_operands(&mean);
+        TEST_ASSERT_TRUE(most < 0.6 * report.lattice.spacing[0]);
+        TEST_ASSERT_TRUE(mean < 0.02 * report.lattice.spacing[0]);
+        o.interpolation = BVX_EDGE_MIDDLE;
+        run(op, &o);
+        distance_to_operands(&middle);
+        TEST_ASSERT_TRUE(middle > 5 * mean);
+    }
+}
+
+/* Where only flat faces are, each vertex lies on a face of the body whose side changes there, not between the two. */
+static void test_vertices_of_boxes_lie_on_their_faces(void)
+{
+    static const double low_a[3] = {0, 0, 0}, high_a[3] = {10, 9, 8}, low_b[3] = {4.03, 3.07, 2.11}, high_b[3] = {12.05, 11.01, 7.13};
+    make_boxes(low_a, high_a, low_b, high_b);
+    for (int32_t op = 0; op < 4; op++) {
+        bvx_boolean_options o = with(37);
+        uint64_t off = 0;
+        o.position_type = BVX_F64;
+        run(op, &o);
+        check();
+        for (uint64_t v = 0; v < made.vertex_count; v++) {
+            const double *const p = (const double *)made.positions + 3 * v;
+            double best = 1e9;
+            for (int axis = 0; axis < 3; axis++) {
+                double const planes[4] = {low_a[axis], high_a[axis], low_b[axis], high_b[axis]};
+                for (int i = 0; i < 4; i++) best = fabs(p[axis] - planes[i]) < best ? fabs(p[axis] - planes[i]) : best;
+            }
+            off += best > 1e-9;
+        }
+        TEST_ASSERT_EQUAL_UINT64(0, off);
+    }
+}
+
+/* Sharp, boxes come out whole: volumes are those of the exact bodies. */
+static void test_sharp_volumes_of_boxes(void)
+{
+    static const double low_a[3] = {0, 0, 0}, high_a[3] = {10, 9, 8}, low_b[3] = {4.03, 3.07, 2.11}, high_b[3] = {12.05, 11.01, 7.13};
+    double const of_a = 10 * 9 * 8, of_b = 8.02 * 7.94 * 5.02, both = 5.97 * 5.93 * 5.02;
+    double const want[4] = {of_a + of_b - both, both, of_a - both, of_a + of_b - 2 * both};
+    make_boxes(low_a, high_a, low_b, high_b);
+    for (int32_t op = 0; op < 4; op++) {
+        bvx_boolean_options o = with(48);
+        double plain;
+        run(op, &o);
+        plain = check().volume;
+        o.sharp = 1;
+        run(op, &o);
+        TEST_ASSERT_DOUBLE_WITHIN(op == 3 ? 0.02 * want[op] : 2e-3 * want[op], want[op], check().volume);
+        TEST_ASSERT_TRUE(op == 3 || fabs(check().volume - want[op]) < fabs(plain - want[op]));
+        TEST_ASSERT_TRUE(report.surface.sharp_cells > 100);
+    }
+}
+
+static void test_identities(void)
+{
+    bvx_boolean_options o = with(32);
+    uint64_t one, other;
+    make_stars();
+    for (int32_t op = 0; op < 4; op++) { /* a op b is b op a */
+        bvx_mesh_view const swap = a;
+        if (op == BVX_BOOLEAN_DIFFERENCE) continue;
+        run(op, &o);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &one));
+        a = b;
+        b = swap;
+        run(op, &o);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &other));
+        TEST_ASSERT_EQUAL_HEX64(one, other);
+    }
+    b = a;
+    run(BVX_BOOLEAN_UNION, &o); /* a or a is a and a */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &one));
+    run(BVX_BOOLEAN_INTERSECTION, &o);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &other));
+    TEST_ASSERT_EQUAL_HEX64(one, other);
+    run(BVX_BOOLEAN_DIFFERENCE, &o); /* nothing is left: an empty mesh */
+    TEST_ASSERT_EQUAL_UINT64(0, made.triangle_count);
+    TEST_ASSERT_EQUAL_UINT64(0, report.voxels);
+    run(BVX_BOOLEAN_XOR, &o);
+    TEST_ASSERT_EQUAL_UINT64(0, made.triangle_count);
+}
+
+static void test_a_body_within_another(void)
+{
+    static const double low_a[3] = {0, 0, 0}, high_a[3] = {10, 10, 10}, low_b[3] = {3, 3, 3}, high_b[3] = {6, 7, 8};
+    bvx_boolean_options o = with(40);
+    bvx_certificate c;
+    make_boxes(low_a, high_a, low_b, high_b);
+    run(BVX_BOOLEAN_DIFFERENCE, &o); /* a cavity: its surface looks inwards */
+    c = check();
+    TEST_ASSERT_EQUAL_UINT64(2, c.components);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 940, 940, c.volume);
+    run(BVX_BOOLEAN_UNION, &o);
+    c = check();
+    TEST_ASSERT_EQUAL_UINT64(1, c.components);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 1000, 1000, c.volume);
+}
+
+static void test_given_lattice_cuts_the_bodies(void)
+{
+    static const double low_a[3] = {0, 0, 0}, high_a[3] = {10, 10, 10}, low_b[3] = {3, 3, 3}, high_b[3] = {16, 7, 8};
+    double const origin[3] = {2, 2, 2}, spacing[3] = {0.5, 0.25, 0.4};
+    int32_t const dims[3] = {20, 30, 20};
+    bvx_boolean_options o = with(0);
+    bvx_lattice l;
+    make_boxes(low_a, high_a, low_b, high_b);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l));
+    o.lattice = &l;
+    run(BVX_BOOLEAN_UNION, &o);
+    check();
+    TEST_ASSERT_EQUAL_MEMORY(&l, &report.lattice, sizeof l);
+    TEST_ASSERT_TRUE(report.surface.middle > 0); /* crossings with the lattice's sides */
+}
+
+static void test_threads_and_code_paths_are_not_seen(void)
+{
+    make_stars();
+    for (int sharp = 0; sharp < 2; sharp++) {
+        uint64_t want = 0;
+        for (int way = 0; way < 3; way++) {
+            bvx_context_options c;
+            bvx_boolean_options o = with(64);
+            bvx_context *other;
+            bvx_mesh m = {0};
+            uint64_t hash;
+            bvx_context_options_init(&c, sizeof c);
+            c.threads = way == 1 ? 3 : 1;
+            c.cpu = way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST;
+            o.sharp = sharp;
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_boolean(other, &a, &b, BVX_BOOLEAN_DIFFERENCE, &o, &m));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(other, &m, &hash));
+            if (way == 0) want = hash;
+            TEST_ASSERT_EQUAL_HEX64(want, hash);
+            bvx_mesh_free(other, &m);
+            bvx_context_destroy(other);
+        }
+    }
+}
+
+/* One number each, the same on every compiler and processor. */
+static void test_golden(void)
+{
+    static const uint64_t want[2] = {UINT64_C(0x80131C099B70315A), UINT64_C(0xFD67A36C31302136)};
+    make_stars();
+    for (int sharp = 0; sharp < 2; sharp++) {
+        bvx_boolean_options o = with(40);
+        uint64_t hash;
+        o.sharp = sharp;
+        run(BVX_BOOLEAN_DIFFERENCE, &o);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &hash));
+        TEST_ASSERT_EQUAL_HEX64(want[sharp], hash);
+    }
+}
+
+static void refuse(int32_t operation, const bvx_boolean_options *o, bvx_status status, const char *word)
+{
+    TEST_ASSERT_EQUAL_INT32(status, bvx_boolean(ctx, &a, &b, operation, o, &made));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), word), bvx_last_message(ctx));
+    TEST_ASSERT_NULL(made.positions);
+}
+
+static void test_refusals(void)
+{
+    bvx_boolean_options o = with(16);
+    bvx_lattice none;
+    make_stars();
+    refuse(4, &o, BVX_ERR_ARGUMENT, "operation 4");
+    refuse(-1, &o, BVX_ERR_ARGUMENT, "operation -1");
+    o.resolution = 0;
+    refuse(0, &o, BVX_ERR_ARGUMENT, "resolution");
+    o = with(16), o.fill = BVX_FILL_FLOOD;
+    refuse(0, &o, BVX_ERR_ARGUMENT, "fill");
+    o = with(16), o.interpolation = 5;
+    refuse(0, &o, BVX_ERR_ARGUMENT, "interpolation");
+    o = with(16), o.face_rule = 2;
+    refuse(0, &o, BVX_ERR_ARGUMENT, "face rule");
+    o = with(16), o.position_type = 0;
+    refuse(0, &o, BVX_ERR_ARGUMENT, "position type");
+    o = with(16), o.sharp = 2;
+    refuse(0, &o, BVX_ERR_ARGUMENT, "sharp");
+    o = with(16), o.reserved[1] = 1;
+    refuse(0, &o, BVX_ERR_ARGUMENT, "reserved");
+    memset(&none, 0, sizeof none);
+    o = with(16), o.lattice = &none;
+    refuse(0, &o, BVX_ERR_ARGUMENT, "spacing");
+    o = with(16);
+    second.p[4] = NAN;
+    refuse(0, &o, BVX_ERR_RANGE, "mesh b");
+    first.t[5] = 1000000;
+    refuse(0, &o, BVX_ERR_RANGE, "mesh a");
+    make_stars();
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(ctx, NULL, &b, 0, &o, &made));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &a, NULL, 0, &o, &made));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &a, &b, 0, &o, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(NULL, &a, &b, 0, &o, &made));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_solid_of_the_result_is_the_combined_solid);
+    RUN_TEST(test_vertices_lie_on_the_operands);
+    RUN_TEST(test_vertices_of_boxes_lie_on_their_faces);
+    RUN_TEST(test_sharp_volumes_of_boxes);
+    RUN_TEST(test_identities);
+    RUN_TEST(test_a_body_within_another);
+    RUN_TEST(test_given_lattice_cuts_the_bodies);
+    RUN_TEST(test_threads_and_code_paths_are_not_seen);
+    RUN_TEST(test_golden);
+    RUN_TEST(test_refusals);
+    return UNITY_END();
+}
