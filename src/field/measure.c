@@ -10,6 +10,8 @@
 #include "field/signs.h"
 #include "mesh/view.h"
 
+#include <math.h>
+
 static const char measure_name[] = "bvx_measure_field";
 static const char measure_stage[] = "field";
 static const bvx_field_options field_defaults = {0, 3.0, BVX_SIGN_AUTO, BVX_F32, {{0, 0, 0}, {0, 0, 0}}, 0, 0, {0, 0}};
@@ -136,7 +138,7 @@ static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measur
     rows = bvxi_grid_rows(&f->band);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, (rows + 1) * 8, "the field's rows", &f->row_values));
     if (f->half_width - f->half_width == 0.0)
-        BVXI_TRY(bvxi_nearest_band(ctx, measure_stage, 0.15, 0.35, job->nearest, f->half_width, &f->band, f->row_values));
+        BVXI_TRY(bvxi_nearest_band(ctx, measure_stage, 0.15, 0.8, job->nearest, f->half_width, &f->band, f->row_values));
     else take_every_centre(f);
     return BVX_OK;
 }
@@ -176,7 +178,7 @@ static bvx_status make_values(bvx_context *ctx, measure_job *job)
     values.distances = f->distances;
     values.triangles = job->triangles;
     values.features = job->features;
-    return bvxi_nearest_fill(ctx, measure_stage, 0.35, 0.8, job->nearest, &f->band, f->row_values, &values);
+    return bvxi_nearest_fill(ctx, measure_stage, 0.8, 0.9, job->nearest, HUGE_VAL, &f->band, f->row_values, &values);
 }
 
 /* ---- inside ---- */
@@ -193,7 +195,7 @@ static bvx_status make_inside(bvx_context *ctx, measure_job *job)
     sides.first = f->row_values;
     sides.triangles = job->triangles;
     sides.features = job->features;
-    return bvxi_sign_features(ctx, measure_name, measure_stage, 0.8, 0.95, job->nearest, f->half_width, &sides, f->sign, &f->inside);
+    return bvxi_sign_features(ctx, measure_name, measure_stage, 0.9, 0.97, job->nearest, f->half_width, &sides, f->sign, &f->inside);
 }
 
 typedef struct negate_job {
@@ -227,7 +229,7 @@ static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
     if (field->inside.words == NULL) return BVX_OK;
     job.field = field;
     job.pieces = bvxi_piece_count(rows, 1 + MEASURE_GRAIN / (1 + each));
-    return bvxi_parallel(ctx, measure_stage, 0.95, 1.0, job.pieces, negate_rows, &job);
+    return bvxi_parallel(ctx, measure_stage, 0.97, 1.0, job.pieces, negate_rows, &job);
 }
 
 /* ---- all of it ---- */

@@ -31,8 +31,9 @@ bvx_status bvxi_nearest_band(bvx_context *ctx, const char *stage, double from, d
                              bvx_grid *band, uint64_t *first);
 
 /* The closest points of the set voxels of where, any set: the least (distance squared, triangle number) of the evaluation that
- * bvx_closest_find makes at the centre. Memory: 110 KiB a worker. */
-bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, double to, const bvxi_nearest *nearest,
+ * bvx_closest_find makes at the centre. guess: most centres lie no further than it from the mesh [Units: world]; infinity where
+ * nothing is known. It changes the time alone. Memory: 110 KiB a worker. */
+bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, double to, const bvxi_nearest *nearest, double guess,
                              const bvx_grid *where, const uint64_t *first, const bvxi_nearest_values *values);
 
 #endif

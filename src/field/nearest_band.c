@@ -154,12 +154,13 @@ static bvx_status make_near_band(bvx_context *ctx, const char *stage, double fro
     return BVX_OK;
 }
 
-bvx_status bvxi_near_workers(bvx_context *ctx, bvxi_near_worker **workers)
+bvx_status bvxi_near_workers(bvx_context *ctx, int32_t few_reached, bvxi_near_worker **workers)
 {
     int32_t const threads = bvxi_threads(ctx);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)threads * sizeof **workers, "the field's workers", workers));
     for (int32_t i = 0; i < threads; i++) {
         (*workers)[i].known = 0;
+        (*workers)[i].few_reached = few_reached;
         (*workers)[i].fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     }
     return BVX_OK;
@@ -170,7 +171,7 @@ bvx_status bvxi_nearest_band(bvx_context *ctx, const char *stage, double from, d
 {
     band_work w = {nearest, band, bvxi_near_plan_of(band), width, NULL, NULL, first, 0};
     uint64_t const worker_bytes = (uint64_t)bvxi_threads(ctx) * sizeof *w.workers;
-    bvx_status status = bvxi_near_workers(ctx, &w.workers);
+    bvx_status status = bvxi_near_workers(ctx, 1, &w.workers);
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, w.plan.cubes, "the field's cubes", &w.reached);
     if (status == BVX_OK) status = make_near_band(ctx, stage, from, to, &w);

@@ -84,11 +84,11 @@ static void end_near_eight(const bvxi_nearest *n, float sure2, int32_t parts, bv
     }
 }
 
+/* Bits of the group's slots: two of a row, two rows of a layer, two layers. */
 static uint32_t near_active(uint64_t wanted, int32_t g)
 {
-    uint32_t active = 0;
-    for (int32_t c = 0; c < 8; c++) active |= (uint32_t)(wanted >> near_slot(g, c) & 1) << c;
-    return active;
+    uint32_t const w = (uint32_t)(wanted >> near_slot(g, 0));
+    return (w & 3) | (w >> 2 & 0xc) | (w >> 12 & 0x30) | (w >> 14 & 0xc0);
 }
 
 /* Look through the list, giving what may win to the evaluation when there is too much of it. */
@@ -247,7 +247,7 @@ static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limi
     begin_near_box(n, begin, end, limit, w);
     complete = bvxi_near_cell_list(n, &w->cell, w->fast, &w->list);
     keep_near_point(w);
-    if (complete && (w->list.count == 0 || is_far_from_near_list(n, w))) return;
+    if (complete && (w->list.count == 0 || (w->few_reached && is_far_from_near_list(n, w)))) return;
     sieve_near_part(w);
     for (int32_t g = 0; g < 8; g++) {
         uint32_t const active = near_active(wanted, g);
@@ -270,11 +270,15 @@ uint64_t bvxi_near_brick_find(const bvxi_nearest *n, uint64_t wanted, double wid
     uint64_t found = 0;
     w->evaluated = 0;
     w->pairs.count = 0;
-    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++) w->triangle[s] = BVXI_NEAR_NONE;
+    memset(w->triangle, 0xff, sizeof w->triangle); /* BVXI_NEAR_NONE */
     find_near_groups(n, wanted, width * n->scale * n->box_scale, w);
     settle_near_pairs(n, w);
-    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++) {
-        if ((w->evaluated >> s & 1) != 0 && !(sqrt(w->distance2[s]) / n->scale <= width)) w->triangle[s] = BVXI_NEAR_NONE;
+    for (uint64_t m = width < HUGE_VAL ? w->evaluated : 0; m != 0; m &= m - 1) {
+        int32_t const s = bvxi_lowest(m);
+        if (!(sqrt(w->distance2[s]) / n->scale <= width)) w->triangle[s] = BVXI_NEAR_NONE;
+    }
+    for (uint64_t m = wanted; m != 0; m &= m - 1) {
+        int32_t const s = bvxi_lowest(m);
         found |= (uint64_t)(w->triangle[s] != BVXI_NEAR_NONE) << s;
     }
     return found;

@@ -19,6 +19,8 @@ typedef struct bvxi_near_worker {
     int32_t fast;
     int32_t known;            /* the question's point is one of the mesh */
     int32_t started;          /* the caller's: start is that of the cube */
+    int32_t few_reached;      /* the caller's: bricks without a centre within the width are expected */
+    double started_width;     /* the caller's: within this */
     bvxi_near_question question;
     bvxi_near_start start;    /* where the searches of the cube's bricks begin */
     /* the brick */

@@ -1,7 +1,8 @@
 /* nearest_fill.c - vectors, distances, triangles and features at the set voxels of a grid.
  *
- * A brick's nearest triangles come from what a band remembered, or from a search; then all of its centres are evaluated in
- * doubles together and each value goes to the rank of its voxel. */
+ * A brick's nearest triangles come from what a band remembered, or from a search: first within the distance that is guessed, then
+ * without bounds for what lies further off. Then all of its centres are evaluated in doubles together and each value goes to the
+ * rank of its voxel. */
 #include "field/nearest_walk.h"
 #include "mesh/closest_query.h"
 
@@ -12,6 +13,7 @@ typedef struct fill_work {
     const bvx_grid *where;
     const uint64_t *first;
     const bvxi_nearest_values *values;
+    double guess, to_world; /* the inverse of the tree's scale, a power of two too */
     bvxi_near_plan plan;
     bvxi_near_worker *workers;
     int32_t pieces, remembered; /* 1: the memo is of this window */
@@ -19,14 +21,20 @@ typedef struct fill_work {
 
 /* ---- Ranks ---- */
 
-/* Number of the next value of each row of a run of cubes. */
+enum { FILL_BRICK_ROWS = 16, FILL_RUN_WORDS = BVXI_NEAR_RUN * BVXI_NEAR_CUBE / BVXI_WORD_BITS };
+
+/* A run of cubes: the number of each row's next value, and where along x the rows of each row of bricks have any. */
 typedef struct fill_ranks {
     uint64_t next[BVXI_NEAR_CUBE][BVXI_NEAR_CUBE]; /* z, y */
+    uint64_t any[FILL_BRICK_ROWS][FILL_RUN_WORDS]; /* row of bricks y + 4 z; bits from the run's first centre on */
 } fill_ranks;
 
 static void begin_fill_ranks(const fill_work *w, const bvxi_near_run *r, fill_ranks *ranks)
 {
     int32_t const words = r->begin * BVXI_NEAR_CUBE / BVXI_WORD_BITS;
+    int32_t const end = (r->end * BVXI_NEAR_CUBE + BVXI_WORD_BITS - 1) / BVXI_WORD_BITS;
+    int32_t const most = end < w->where->words_per_row ? end : w->where->words_per_row;
+    memset(ranks->any, 0, sizeof ranks->any);
     for (int32_t z = 0; z < BVXI_NEAR_CUBE && r->z * BVXI_NEAR_CUBE + z < w->where->size[2]; z++)
         for (int32_t y = 0; y < BVXI_NEAR_CUBE && r->y * BVXI_NEAR_CUBE + y < w->where->size[1]; y++) {
             int32_t const j = r->y * BVXI_NEAR_CUBE + y, k = r->z * BVXI_NEAR_CUBE + z;
@@ -34,6 +42,7 @@ static void begin_fill_ranks(const fill_work *w, const bvxi_near_run *r, fill_ra
             uint64_t n = w->first[(uint64_t)k * (uint64_t)w->where->size[1] + (uint64_t)j];
             for (int32_t i = 0; i < words; i++) n += bvxi_popcount(row[i]);
             ranks->next[z][y] = n;
+            for (int32_t i = words; i < most; i++) ranks->any[y / BVXI_NEAR_SIDE + z / BVXI_NEAR_SIDE * 4][i - words] |= row[i];
         }
 }
 
@@ -53,11 +62,11 @@ static void put_near_value(const fill_work *w, const bvxi_near_pairs *pairs, int
     const bvxi_nearest_values *const v = w->values;
     if (v->vectors != NULL) {
         double d[3];
-        for (int a = 0; a < 3; a++) d[a] = (pairs->closest[a][p] - pairs->point[a][p]) / w->n->scale + 0.0;
+        for (int a = 0; a < 3; a++) d[a] = (pairs->closest[a][p] - pairs->point[a][p]) * w->to_world + 0.0;
         put_near_numbers(v->value_type, v->vectors, i, d, 3);
     }
     if (v->distances != NULL) {
-        double const d = sqrt(pairs->distance2[p]) / w->n->scale;
+        double const d = sqrt(pairs->distance2[p]) * w->to_world;
         put_near_numbers(v->value_type, v->distances, i, &d, 1);
     }
     if (v->triangles != NULL) v->triangles[i] = pairs->triangle[p];
@@ -72,20 +81,38 @@ static void put_near_value(const fill_work *w, const bvxi_near_pairs *pairs, int
     }
 }
 
+/* Searches in the cube begin with what lies within width of it, or within more. */
+static void start_fill_cube(const fill_work *w, const int32_t cube[3], double width, bvxi_near_worker *worker)
+{
+    if (worker->started && worker->started_width >= width) return;
+    bvxi_near_cube_begin(w->n, cube, width, worker);
+    worker->started = 1;
+    worker->started_width = width;
+}
+
+static void search_fill_brick(const fill_work *w, const int32_t cube[3], uint64_t wanted, bvxi_near_worker *worker)
+{
+    uint32_t triangle[BVXI_NEAR_SLOTS];
+    uint64_t found = 0;
+    if (w->guess < HUGE_VAL) {
+        start_fill_cube(w, cube, w->guess, worker);
+        found = bvxi_near_brick_find(w->n, wanted, w->guess, worker);
+        if (found == wanted) return;
+        memcpy(triangle, worker->triangle, sizeof triangle);
+    }
+    start_fill_cube(w, cube, HUGE_VAL, worker);
+    bvxi_near_brick_find(w->n, wanted & ~found, HUGE_VAL, worker);
+    for (; found != 0; found &= found - 1) worker->triangle[bvxi_lowest(found)] = triangle[bvxi_lowest(found)];
+}
+
 /* Nearest triangles of a brick: remembered ones, and those of slots that nothing is known of by a search. */
 static void find_fill_triangles(const fill_work *w, const int32_t cube[3], uint64_t set, const uint32_t *remembered, bvxi_near_worker *worker)
 {
-    uint64_t unknown = 0;
-    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++)
-        unknown |= (uint64_t)(remembered == NULL || remembered[s] == BVXI_NEAR_NONE) << s;
-    unknown &= set;
-    if (unknown != 0) {
-        if (!worker->started) bvxi_near_cube_begin(w->n, cube, HUGE_VAL, worker);
-        worker->started = 1;
-        bvxi_near_brick_find(w->n, unknown, HUGE_VAL, worker);
-    }
-    for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++)
-        if ((unknown >> s & 1) == 0 && (set >> s & 1) != 0) worker->triangle[s] = remembered[s];
+    uint64_t unknown = remembered == NULL ? set : 0;
+    for (uint64_t m = set & ~unknown; m != 0; m &= m - 1)
+        unknown |= (uint64_t)(remembered[bvxi_lowest(m)] == BVXI_NEAR_NONE) << bvxi_lowest(m);
+    if (unknown != 0) search_fill_brick(w, cube, unknown, worker);
+    for (uint64_t m = set & ~unknown; m != 0; m &= m - 1) worker->triangle[bvxi_lowest(m)] = remembered[bvxi_lowest(m)];
 }
 
 static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int32_t first[3], const uint32_t *remembered, fill_ranks *ranks, bvxi_near_worker *worker)
@@ -93,7 +120,6 @@ static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int
     uint64_t const set = bvxi_near_slots_of(w->where, first);
     bvxi_near_pairs *const pairs = &worker->pairs;
     int32_t index[3];
-    if (set == 0) return;
     for (int a = 0; a < 3; a++) index[a] = w->where->low[a] + first[a];
     bvxi_near_brick_begin(w->n, (const int32_t *)index, worker);
     find_fill_triangles(w, cube, set, remembered, worker);
@@ -119,7 +145,9 @@ static void fill_near_cube(const fill_work *w, const bvxi_near_run *r, int32_t x
     worker->started = 0;
     if (w->remembered) slot = w->n->memo->cube_slot[bvxi_near_cube_number(&w->plan, r, x)];
     for (int32_t b = 0; b < 64; b++) {
+        int32_t const at = (x - r->begin) * BVXI_NEAR_CUBE + (b & 3) * BVXI_NEAR_SIDE; /* from the run's first centre */
         int32_t first[3];
+        if ((ranks->any[b >> 2][at / BVXI_WORD_BITS] >> at % BVXI_WORD_BITS & 15) == 0) continue;
         bvxi_near_brick_first(r, x, b, first);
         fill_near_brick(w, cube, (const int32_t *)first,
                         slot == BVXI_NEAR_NONE ? NULL
@@ -141,13 +169,13 @@ static void fill_near_runs(void *user, int32_t index, int32_t worker)
     }
 }
 
-bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, double to, const bvxi_nearest *nearest,
+bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, double to, const bvxi_nearest *nearest, double guess,
                              const bvx_grid *where, const uint64_t *first, const bvxi_nearest_values *values)
 {
-    fill_work w = {nearest, where, first, values, bvxi_near_plan_of(where), NULL, 0, 0};
+    fill_work w = {nearest, where, first, values, guess, 1.0 / nearest->scale, bvxi_near_plan_of(where), NULL, 0, 0};
     uint64_t const worker_bytes = (uint64_t)bvxi_threads(ctx) * sizeof *w.workers;
     const bvxi_near_memo *const m = nearest->memo;
-    bvx_status status = bvxi_near_workers(ctx, &w.workers);
+    bvx_status status = bvxi_near_workers(ctx, 0, &w.workers);
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
     w.remembered = m->cubes != 0 && memcmp(m->low, where->low, sizeof m->low) == 0 && memcmp(m->size, where->size, sizeof m->size) == 0;
     if (status == BVX_OK) status = bvxi_parallel(ctx, stage, from, to, w.pieces, fill_near_runs, &w);

@@ -118,14 +118,17 @@ BVXI_AVX2 static inline uint32_t evaluate_near_four(bvxi_near_pairs *p, int32_t 
     return 15u ^ (uint32_t)_mm256_movemask_pd(NEAR_BOTH(wide, _mm256_or_pd(_mm256_or_pd(corner, edge), over)));
 }
 
+/* Places behind the last pair are filled with it. */
 BVXI_AVX2 static void evaluate_near_fours(bvxi_near_pairs *p)
 {
-    int32_t i = 0;
-    for (; i + 4 <= p->count; i += 4) {
+    for (int32_t i = p->count; i > 0 && i % 4 != 0; i++) {
+        for (int a = 0; a < 3; a++) p->point[a][i] = p->point[a][p->count - 1];
+        for (int v = 0; v < 9; v++) p->corner[v][i] = p->corner[v][p->count - 1];
+    }
+    for (int32_t i = 0; i < p->count; i += 4) {
         uint32_t left = evaluate_near_four(p, i);
         for (; left != 0; left &= left - 1) evaluate_near_pair(p, i + bvxi_lowest(left));
     }
-    for (; i < p->count; i++) evaluate_near_pair(p, i);
 }
 #endif
 

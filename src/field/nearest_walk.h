@@ -68,7 +68,7 @@ uint64_t bvxi_near_slots_of(const bvx_grid *g, const int32_t first[3]);
 
 
 /* One worker a thread. */
-bvx_status bvxi_near_workers(bvx_context *ctx, bvxi_near_worker **workers);
+bvx_status bvxi_near_workers(bvx_context *ctx, int32_t few_reached, bvxi_near_worker **workers);
 /* Free what is remembered. */
 void bvxi_near_forget(bvx_context *ctx, bvxi_near_memo *memo);
 

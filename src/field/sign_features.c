@@ -6,6 +6,8 @@
  * A lattice without any band lies on one side of the mesh, that of its first centre. */
 #include "field/signs.h"
 
+#include <math.h>
+
 static bvx_status sign_band(bvx_context *ctx, const char *function, const char *stage, double from, double to, const bvxi_sides *sides,
                             int32_t sign, bvx_grid *inside)
 {
@@ -49,7 +51,7 @@ static bvx_status sign_by_first_centre(bvx_context *ctx, const char *function, c
     of_one.first = first;
     of_one.triangles = &triangle;
     of_one.features = &feature;
-    BVXI_TRY(bvxi_nearest_fill(ctx, stage, at, at, nearest, &one, first, &values));
+    BVXI_TRY(bvxi_nearest_fill(ctx, stage, at, at, nearest, HUGE_VAL, &one, first, &values));
     BVXI_TRY(sign_band(ctx, function, stage, at, at, &of_one, sign, &its_side));
     memset(inside->words, 0, (size_t)bvxi_grid_words(inside) * 8);
     if (set != 0) set_every_voxel(inside);
@@ -90,7 +92,7 @@ static bvx_status whole_band_measure(bvx_context *ctx, const char *stage, double
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->values, "the band's features", &w->features));
     values.triangles = w->triangles;
     values.features = w->features;
-    return bvxi_nearest_fill(ctx, stage, middle, to, nearest, &w->band, w->first, &values);
+    return bvxi_nearest_fill(ctx, stage, middle, to, nearest, HUGE_VAL, &w->band, w->first, &values);
 }
 
 /* The bits of whole in the window of part. */

@@ -10,6 +10,8 @@
 
 typedef struct checker {
     const bvx_mesh_view *view;
+    const uint32_t *representative; /* given, when welded already */
+    int edges_alone;
     uint32_t *renumber;    /* vertex -> number of its position, when welded [Size: vertices of the view] */
     uint64_t vertex_count; /* after welding */
     uint32_t *corners;     /* of the triangles that count [Size: triangles of the view * 3] */
@@ -21,7 +23,8 @@ typedef struct checker {
 static bvx_status weld_and_renumber(bvx_context *ctx, checker *c)
 {
     uint32_t next = 0;
-    BVXI_TRY(bvxi_weld(ctx, c->view, c->renumber, &c->vertex_count));
+    if (c->representative == NULL) BVXI_TRY(bvxi_weld(ctx, c->view, c->renumber, &c->vertex_count));
+    else memcpy(c->renumber, c->representative, (size_t)c->view->vertex_count * 4);
     for (uint64_t v = 0; v < c->view->vertex_count; v++) {
         uint32_t const r = c->renumber[v]; /* at most v, so an earlier one is renumbered already */
         c->renumber[v] = r == v ? next++ : c->renumber[r];
@@ -80,7 +83,6 @@ static int check_same_bounds(const bvx_certificate *r, const double low[3], cons
 
 static bvx_status weld_vertices(bvx_context *ctx, checker *c, int weld)
 {
-    c->vertex_count = c->view->vertex_count;
     if (!weld) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->view->vertex_count * 4, "the check's welding", &c->renumber));
     return weld_and_renumber(ctx, c);
@@ -105,17 +107,45 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
         collect_triangles(c, kept_low, kept_high);
     }
     free_renumber(ctx, c);
-    if (c->triangle_count != 0) return bvxi_topology(ctx, c->corners, c->triangle_count, c->vertex_count, &c->result);
+    if (c->triangle_count != 0) return bvxi_topology(ctx, c->corners, c->triangle_count, c->vertex_count, c->edges_alone, &c->result);
     c->result.unused_vertices = c->vertex_count;
     return BVX_OK;
+}
+
+static bvx_status check_count(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh)
+{
+    if (mesh->triangle_count <= UINT32_MAX / 3) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit of a check is %u", function, mesh->triangle_count,
+                     (uint64_t)(UINT32_MAX / 3));
+}
+
+static bvx_status check_within(bvx_context *ctx, checker *c, int weld, const double low[3], const double high[3], bvx_certificate *certificate)
+{
+    bvx_status const status = check_whole_mesh(ctx, c, weld, low, high);
+    free_renumber(ctx, c);
+    bvxi_free(ctx, c->corners, c->view->triangle_count * 12);
+    if (status == BVX_OK) *certificate = c->result;
+    return status;
+}
+
+bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const double low[3], const double high[3],
+                             const uint32_t *representative, uint64_t different, int edges_alone, bvx_certificate *certificate)
+{
+    checker c;
+    memset(&c, 0, sizeof c);
+    c.view = view;
+    c.vertex_count = different;
+    c.representative = representative;
+    c.edges_alone = edges_alone;
+    BVXI_TRY(check_count(ctx, function, view));
+    return check_within(ctx, &c, 1, low, high, certificate);
 }
 
 bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld, bvx_certificate *certificate)
 {
     static const char *const function = "bvx_mesh_check";
-    checker c;
     double low[3], high[3];
-    bvx_status status;
+    checker c;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (certificate == NULL) return bvxi_fail_null(context, function, "certificate");
     memset(certificate, 0, sizeof *certificate);
@@ -124,14 +154,9 @@ bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32
     BVXI_TRY(bvxi_view_check(context, function, mesh));
     if (weld != 0 && weld != 1)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: weld is %d, not 0 or 1", function, (int64_t)weld);
-    if (mesh->triangle_count > UINT32_MAX / 3)
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit of a check is %u", function,
-                         mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
+    BVXI_TRY(check_count(context, function, mesh));
     if (mesh->triangle_count == 0) return BVX_OK; /* all zero */
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));
-    status = check_whole_mesh(context, &c, weld, low, high);
-    free_renumber(context, &c);
-    bvxi_free(context, c.corners, mesh->triangle_count * 12);
-    if (status == BVX_OK) *certificate = c.result;
-    return status;
+    c.vertex_count = mesh->vertex_count;
+    return check_within(context, &c, weld, low, high, certificate);
 }

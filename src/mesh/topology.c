@@ -21,6 +21,7 @@ typedef struct topology {
     uint64_t *broken;     /* bit v: no fan, as an edge at v has three triangles or v has two fans */
     uint64_t *seen;       /* bit v: a fan at v was walked, or v is known to be broken; v is counted */
     uint64_t *walked;     /* bit h: the fan of this corner was walked */
+    int edges_alone;      /* 1: no pieces, no fans */
     bvx_certificate *result;
 } topology;
 
@@ -159,7 +160,7 @@ static void check_edge(topology *c, uint64_t *e, size_t n, uint32_t lower)
         uint32_t const h = (uint32_t)e[i];
         c->ring[h] = (uint32_t)e[i + 1 == n ? 0 : i + 1];
         upwards += c->corners[h] == lower;
-        if (i > 0) join_triangles(c, first / 3, h / 3);
+        if (i > 0 && !c->edges_alone) join_triangles(c, first / 3, h / 3);
     }
     if (upwards > 1 || n - upwards > 1) r->oriented = 0;
     if (n == 2 && upwards != 1) r->flipped_edges++;
@@ -175,7 +176,7 @@ static void check_edges(topology *c)
 {
     uint64_t begin = 0;
     for (uint64_t t = 0; t < c->triangle_count; t++) c->parent[t] = (uint32_t)t;
-    c->result->components = c->triangle_count;
+    c->result->components = c->edges_alone ? 0 : c->triangle_count;
     c->result->oriented = 1;
     for (uint64_t v = 0; v < c->vertex_count; v++) {
         uint64_t const end = c->bucket_end[v];
@@ -277,7 +278,7 @@ static void conclude_topology(topology *c)
     r->euler = (int64_t)r->vertices - (int64_t)r->edges + (int64_t)c->triangle_count;
 }
 
-bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count, uint64_t vertex_count,
+bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count, uint64_t vertex_count, int edges_alone,
                          bvx_certificate *certificate)
 {
     topology c;
@@ -287,12 +288,15 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
     c.triangle_count = triangle_count;
     c.vertex_count = vertex_count;
     c.result = certificate;
+    c.edges_alone = edges_alone;
     status = allocate_topology(ctx, &c);
     if (status == BVX_OK) {
         fill_edge_buckets(&c);
         check_edges(&c);
-        check_vertices(&c);
-        conclude_topology(&c);
+        if (!edges_alone) {
+            check_vertices(&c);
+            conclude_topology(&c);
+        }
     }
     free_topology(ctx, &c);
     return status;

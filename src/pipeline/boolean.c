@@ -138,6 +138,7 @@ static bvx_status fill_boolean(boolean_job *job)
 static bvx_status measure_body(boolean_job *job, boolean_body *b, double from, double to)
 {
     bvx_context *const ctx = job->ctx;
+    double const guess = bvxi_largest_spacing(&job->lattice) * (1 + 1e-6); /* ends of edges that the body crosses */
     double const part = from + (to - from) * 0.3;
     bvxi_nearest_values out;
     bvxi_nearest *nearest = NULL;
@@ -157,7 +158,7 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b, double from, d
     out.distances = b->distances;
     out.triangles = b->triangles;
     BVXI_TRY(bvxi_nearest_open(ctx, boolean_name, "measure", from, part, b->mesh, &job->lattice, &nearest));
-    status = bvxi_nearest_fill(ctx, "measure", part, to, nearest, &b->where, b->first, &out);
+    status = bvxi_nearest_fill(ctx, "measure", part, to, nearest, guess, &b->where, b->first, &out);
     bvxi_nearest_close(ctx, nearest);
     return status;
 }

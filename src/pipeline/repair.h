@@ -19,6 +19,7 @@ typedef struct bvxi_repair_job {
     bvx_grid solid;          /* what body encloses; without words before the first, as inside */
     bvx_grid inside;         /* the result: solid and shells, less small parts and cavities */
     uint64_t grid_bytes;     /* of the words of each */
+    bvxi_holes holes;        /* of mesh, then of body, on the lattice, as the sign sees them */
     bvxi_winding *winding;   /* while sheets are looked for, and the surface made: for lids over holes */
     int32_t fill;            /* BVX_FILL_... that the sign stands for */
     bvx_repair_report report;
@@ -38,10 +39,10 @@ bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution);
 /* repair_inside.c: solid and inside on job->lattice; grids of an earlier call are replaced. */
 bvx_status bvxi_repair_inside(bvxi_repair_job *job);
 
-/* repair_enclosed.c: of the triangles of job->mesh that are ASKED, those that by encloses become ENCLOSED. Only for fill rules with
- * winding numbers. Scratch: as bvxi_winding_open. */
+/* repair_enclosed.c: of the triangles of job->mesh that are ASKED, those that job->body encloses become ENCLOSED. Only for fill
+ * rules with winding numbers. job->holes are those of job->mesh. Scratch: as bvxi_winding_open, and the body's holes. */
 enum { BVXI_TRIANGLE_ASKED = 1, BVXI_TRIANGLE_ENCLOSED = 2 };
-bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, const bvx_mesh_view *by, uint8_t *answer);
+bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer);
 
 /* repair_sheets.c: part mesh into body and sheets by what job->solid, the solid of all of it, keeps of each piece. */
 bvx_status bvxi_repair_part(bvxi_repair_job *job);

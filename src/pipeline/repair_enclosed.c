@@ -61,16 +61,22 @@ static void ask_triangles(void *user, int32_t piece, int32_t worker)
         if (e->answer[t] == BVXI_TRIANGLE_ASKED && is_enclosed(e->job, t)) e->answer[t] = BVXI_TRIANGLE_ENCLOSED;
 }
 
-bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, const bvx_mesh_view *by, uint8_t *answer)
+bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
 {
+    const bvx_mesh_view *const by = &job->body;
+    int const parted = job->sheets.triangle_count != 0;
     uint64_t const pieces = by->triangle_count / ENCLOSED_GRAIN + 1;
+    bvxi_holes of_body;
     enclosed_job e;
-    bvx_status status = bvxi_winding_open(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill, &job->winding);
+    bvx_status status;
+    if (parted) BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill, &of_body));
+    status = bvxi_winding_open(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill, parted ? &of_body : &job->holes, &job->winding);
     e.job = job;
     e.answer = answer;
     e.pieces = pieces < ENCLOSED_PIECES ? (int32_t)pieces : ENCLOSED_PIECES;
     if (status == BVX_OK && job->winding != NULL) status = bvxi_parallel(job->ctx, "sheets", 0.0, 1.0, e.pieces, ask_triangles, &e);
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;
+    if (parted) bvxi_holes_close(job->ctx, &of_body);
     return status;
 }

@@ -2,6 +2,7 @@
  *
  * Triangles that are there twice would count as two turns of the surface, so all but the first go. */
 #include "mesh/pieces.h"
+#include "mesh/topology.h"
 #include "mesh/view.h"
 #include "mesh/weld.h"
 #include "pipeline/repair.h"
@@ -34,21 +35,33 @@ static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *represen
     return BVX_OK;
 }
 
+/* What the mesh is; vertices and pieces are counted for the report alone. */
+static bvx_status check_given(bvxi_repair_job *job, const double low[3], const double high[3], uint32_t *representative)
+{
+    bvx_certificate *const r = &job->report.before;
+    int const edges_alone = job->options->report == NULL;
+    uint64_t different;
+    BVXI_TRY(bvxi_weld(job->ctx, job->given, representative, &different));
+    BVXI_TRY(bvxi_check_welded(job->ctx, bvxi_repair_name, job->given, low, high, representative, different, edges_alone, r));
+    if (r->triangles == r->degenerate)
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area", bvxi_repair_name,
+                         job->given->triangle_count);
+    return BVX_OK;
+}
+
 bvx_status bvxi_repair_take(bvxi_repair_job *job)
 {
     bvx_context *const ctx = job->ctx;
     uint64_t const bytes = job->given->vertex_count * 4;
+    double low[3], high[3];
     uint32_t *representative;
-    uint64_t different;
     bvx_status status;
-    BVXI_TRY(bvx_mesh_check(ctx, job->given, 1, &job->report.before));
     if (job->given->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", bvxi_repair_name);
-    if (job->report.before.triangles == job->report.before.degenerate)
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area", bvxi_repair_name, job->given->triangle_count);
-    choose_sign(job);
+    BVXI_TRY(bvxi_view_bounds(ctx, bvxi_repair_name, job->given, low, high));
     job->mesh = *job->given;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative));
-    status = bvxi_weld(ctx, job->given, representative, &different);
+    status = check_given(job, low, high, representative);
+    if (status == BVX_OK) choose_sign(job);
     if (status == BVX_OK) status = drop_duplicates(job, representative);
     if (status == BVX_OK && job->options->shell != 0) {
         status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' pieces", &job->piece);
@@ -60,6 +73,7 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
 
 void bvxi_repair_let_go(bvxi_repair_job *job)
 {
+    bvxi_holes_close(job->ctx, &job->holes);
     bvxi_free(job->ctx, job->inside.words, job->grid_bytes);
     bvxi_free(job->ctx, job->solid.words, job->grid_bytes);
     bvxi_free(job->ctx, job->parted, job->mesh.triangle_count * 12);

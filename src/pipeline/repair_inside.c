@@ -1,5 +1,6 @@
 /* repair_inside.c - which centres lie inside the repaired body: the sign rule's solid, and shells where it has nothing. */
 #include "pipeline/repair.h"
+#include "voxelize/fills.h"
 
 static bvx_status open_scratch_grid(bvxi_repair_job *job, bvx_grid *grid)
 {
@@ -21,13 +22,16 @@ static bvx_status open_grids(bvxi_repair_job *job)
     return open_scratch_grid(job, &job->inside);
 }
 
+/* mesh: the job's, or its body, whose holes become the job's. */
 static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
 {
-    bvx_voxelize_options o;
-    if (mesh->triangle_count == 0) return bvx_grid_create(job->ctx, &job->lattice, NULL, &job->solid);
-    bvx_voxelize_options_init(&o, sizeof o);
-    o.fill = job->fill;
-    return bvx_voxelize_solid(job->ctx, mesh, &job->lattice, &o, &job->solid);
+    BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->solid));
+    bvxi_holes_close(job->ctx, &job->holes);
+    if (mesh->triangle_count == 0) return BVX_OK;
+    if (job->fill == BVX_FILL_PARITY && job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0)
+        return bvxi_fill_known(job->ctx, mesh, job->fill, NULL, &job->solid); /* nobody asks for them */
+    BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, mesh, &job->lattice, job->fill, &job->holes));
+    return bvxi_fill_known(job->ctx, mesh, job->fill, &job->holes, &job->solid);
 }
 
 bvx_status bvxi_repair_inside(bvxi_repair_job *job)

@@ -30,17 +30,15 @@ static void measure_loops(bvxi_repair_job *job, const bvxi_holes *holes)
 
 static bvx_status find_holes(bvxi_repair_job *job)
 {
-    bvxi_snapped snapped;
     bvxi_holes holes;
-    bvx_status status;
-    BVXI_TRY(bvxi_snap(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, &snapped));
-    status = bvxi_holes_open(job->ctx, &job->mesh, &snapped, &holes);
-    if (status == BVX_OK) {
-        measure_loops(job, &holes);
-        bvxi_holes_close(job->ctx, &holes);
+    if (job->sheets.triangle_count == 0 && !job->holes.repeated) {
+        measure_loops(job, &job->holes);
+        return BVX_OK;
     }
-    bvxi_snap_free(job->ctx, &snapped);
-    return status;
+    BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, BVX_FILL_VOTE, &holes));
+    measure_loops(job, &holes);
+    bvxi_holes_close(job->ctx, &holes);
+    return BVX_OK;
 }
 
 /* Voxels where the winding number is nearest to an even number but 0: what WINDING has and VOTE has not. */

@@ -23,6 +23,7 @@ enum { SHEET_ROUNDS = 8 };
 /* What a piece is like, by its least vertex. */
 typedef struct piece_sums {
     double area, kept, lid, joined;
+    uint64_t triangles;
 } piece_sums;
 
 static double vector_length(const double v[3])
@@ -42,26 +43,29 @@ static void cross_of_triangle(const double p[3][3], double n[3])
     n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
-/* 1 when the voxel that holds a place is set. */
-static int is_set_at(const bvx_grid *solid, const double p[3])
+/* 1 when the voxel that holds a place is set. [Units: voxels of the window] */
+static int is_set_at(const bvx_grid *solid, const double at[3])
 {
-    int32_t v[3];
-    for (int a = 0; a < 3; a++) {
-        double const at = (p[a] - solid->lattice.origin[a]) / solid->lattice.spacing[a];
-        if (!(at >= 0 && at < (double)solid->size[a])) return 0;
-        v[a] = (int32_t)at;
-    }
-    return bvx_grid_get(solid, v[0], v[1], v[2]);
+    size_t row;
+    for (int a = 0; a < 3; a++)
+        if (!(at[a] >= 0 && at[a] < (double)solid->size[a])) return 0;
+    row = (size_t)at[2] * (size_t)solid->size[1] + (size_t)at[1];
+    return (int)(solid->words[row * (size_t)solid->words_per_row + ((size_t)at[0] >> 6)] >> ((size_t)at[0] & 63) & 1);
 }
 
-/* Is there solid half a voxel or a voxel behind a triangle's middle, on either side? */
-static int has_solid_behind(const bvx_grid *solid, const double p[3][3], const double n[3], double length)
+/* Is there solid half a voxel or a voxel behind a triangle's middle, on either side? step: a voxel of the largest
+ * spacing, in voxels. */
+static int has_solid_behind(const bvx_grid *solid, const double step[3], const double p[3][3], const double n[3], double length)
 {
-    static const double depth[4] = {-0.5, -1.0, 0.5, 1.0};
-    double const step = bvxi_largest_spacing(&solid->lattice);
-    double at[3];
+    static const double depth[4] = {-1.0, -0.5, 1.0, 0.5}; /* the likeliest first */
+    double const part = 1.0 / length;
+    double middle[3], way[3], at[3];
+    for (int a = 0; a < 3; a++) {
+        middle[a] = ((p[0][a] + p[1][a] + p[2][a]) * (1.0 / 3.0) - solid->lattice.origin[a]) / solid->lattice.spacing[a];
+        way[a] = n[a] * part * step[a];
+    }
     for (int d = 0; d < 4; d++) {
-        for (int a = 0; a < 3; a++) at[a] = (p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * (depth[d] * step);
+        for (int a = 0; a < 3; a++) at[a] = middle[a] + way[a] * depth[d];
         if (is_set_at(solid, at)) return 1;
     }
     return 0;
@@ -75,15 +79,20 @@ static void corners_of_triangle(const bvx_mesh_view *mesh, uint64_t t, uint32_t 
 
 static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
 {
+    double step[3];
+    for (int a = 0; a < 3; a++) step[a] = bvxi_largest_spacing(&job->lattice) / job->lattice.spacing[a];
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         double p[3][3], n[3], length;
+        piece_sums *piece;
         uint32_t c[3];
         corners_of_triangle(&job->mesh, t, c, p);
+        piece = &sums[job->piece[c[0]]];
+        piece->triangles++;
         cross_of_triangle((const double(*)[3])p, n);
         length = vector_length(n);
         if (!(length > 0)) continue;
-        sums[job->piece[c[0]]].area += 0.5 * length;
-        if (has_solid_behind(&job->solid, (const double(*)[3])p, n, length)) sums[job->piece[c[0]]].kept += 0.5 * length;
+        piece->area += 0.5 * length;
+        if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length)) piece->kept += 0.5 * length;
     }
 }
 
@@ -106,18 +115,19 @@ static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, piece
     }
 }
 
+/* By the plain loops: an edge of two triangles that run one way is no hole. */
 static bvx_status sum_lids(bvxi_repair_job *job, piece_sums *sums)
 {
-    bvxi_snapped snapped;
     bvxi_holes holes;
-    bvx_status status;
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0) return BVX_OK;
-    BVXI_TRY(bvxi_snap(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, &snapped));
-    status = bvxi_holes_open(job->ctx, &job->mesh, &snapped, &holes);
-    if (status == BVX_OK) sum_loops(job, &holes, sums);
-    if (status == BVX_OK) bvxi_holes_close(job->ctx, &holes);
-    bvxi_snap_free(job->ctx, &snapped);
-    return status;
+    if (!job->holes.repeated) {
+        sum_loops(job, &job->holes, sums);
+        return BVX_OK;
+    }
+    BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, BVX_FILL_VOTE, &holes));
+    sum_loops(job, &holes, sums);
+    bvxi_holes_close(job->ctx, &holes);
+    return BVX_OK;
 }
 
 /* By its own lid. */
@@ -141,10 +151,8 @@ static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums)
 {
     uint64_t sheet_triangles = 0, next[2];
     uint32_t c[3];
-    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
-        bvxi_view_triangle(&job->mesh, t, c);
-        sheet_triangles += (uint64_t)is_sheet(&sums[job->piece[c[0]]]);
-    }
+    for (uint64_t v = 0; v < job->given->vertex_count; v++)
+        if (is_sheet(&sums[v])) sheet_triangles += sums[v].triangles;
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
     if (sheet_triangles == 0) return BVX_OK;
@@ -225,7 +233,7 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, piece_sums *sums)
     for (int round = 0; status == BVX_OK && asked != 0 && asked != before; round++) {
         before = asked;
         if (round > 0) status = list_parted(job, sums);
-        if (status == BVX_OK) status = bvxi_repair_enclosed(job, &job->body, answer);
+        if (status == BVX_OK) status = bvxi_repair_enclosed(job, answer);
         if (status != BVX_OK) break;
         sum_joined(job, round < SHEET_ROUNDS ? answer : memset(answer, 0, (size_t)bytes), sums);
         asked = ask_joined_pieces(job, sums, answer);

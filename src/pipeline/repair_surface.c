@@ -22,9 +22,11 @@ typedef struct repair_values {
 
 /* ---- Closest points ---- */
 
-static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, const bvx_mesh_view *mesh, double *vectors, double *distances,
-                               uint32_t *triangles, double from, double to)
+/* off: how far the surface between the centres lies off the mesh. Where it is no lid, its edges' ends are nearer than an edge. */
+static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, const bvx_mesh_view *mesh, double off, double *vectors,
+                               double *distances, uint32_t *triangles, double from, double to)
 {
+    double const guess = (off + bvxi_largest_spacing(&job->lattice)) * (1 + 1e-6);
     double const part = from + (to - from) * 0.3;
     bvxi_nearest_values out;
     bvxi_nearest *nearest = NULL;
@@ -35,7 +37,7 @@ static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, con
     out.distances = distances;
     out.triangles = triangles;
     BVXI_TRY(bvxi_nearest_open(job->ctx, bvxi_repair_name, "measure", from, part, mesh, &job->lattice, &nearest));
-    status = bvxi_nearest_fill(job->ctx, "measure", part, to, nearest, &v->where, v->first, &out);
+    status = bvxi_nearest_fill(job->ctx, "measure", part, to, nearest, guess, &v->where, v->first, &out);
     bvxi_nearest_close(job->ctx, nearest);
     return status;
 }
@@ -49,9 +51,8 @@ static void shell_value(double thick, double vector[3], double *distance)
 }
 
 /* The union of body and shell: signed distances, the lesser one's value. */
-static void join_values(const bvxi_repair_job *job, repair_values *v, const double *vectors, const double *distances)
+static void join_values(const bvxi_repair_job *job, repair_values *v, double thick, const double *vectors, const double *distances)
 {
-    double const thick = 0.5 * job->options->shell * bvxi_largest_spacing(&job->lattice);
     size_t const words = (size_t)v->where.words_per_row;
     uint64_t n = 0;
     for (size_t i = 0; i < words * (size_t)v->rows; i++)
@@ -70,10 +71,11 @@ static void join_values(const bvxi_repair_job *job, repair_values *v, const doub
 static bvx_status measure_with_shells(bvxi_repair_job *job, repair_values *v)
 {
     double *vectors = NULL, *distances = NULL;
+    double const thick = 0.5 * job->options->shell * bvxi_largest_spacing(&job->lattice);
     bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, v->count * 24, "the vectors to sheets", &vectors);
     if (status == BVX_OK) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, v->count * 8, "the distances to sheets", &distances);
-    if (status == BVX_OK) status = measure_mesh(job, v, &job->sheets, vectors, distances, NULL, 0.5, 1.0);
-    if (status == BVX_OK) join_values(job, v, vectors, distances);
+    if (status == BVX_OK) status = measure_mesh(job, v, &job->sheets, thick, vectors, distances, NULL, 0.5, 1.0);
+    if (status == BVX_OK) join_values(job, v, thick, vectors, distances);
     bvxi_free(job->ctx, distances, v->count * 8);
     bvxi_free(job->ctx, vectors, v->count * 24);
     return status;
@@ -104,18 +106,29 @@ static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 8, "their distances", &v->distances));
     if (job->options->sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "their triangles", &v->triangles));
     if (job->body.triangle_count != 0)
-        BVXI_TRY(measure_mesh(job, v, &job->body, v->vectors, v->distances, v->triangles, 0.0, shells ? 0.5 : 1.0));
+        BVXI_TRY(measure_mesh(job, v, &job->body, 0, v->vectors, v->distances, v->triangles, 0.0, shells ? 0.5 : 1.0));
     return shells ? measure_with_shells(job, v) : BVX_OK;
 }
 
 /* ---- The surface ---- */
 
-static double lid_ratio(const void *user, int32_t axis, int32_t i, int32_t j, int32_t k)
+static void lid_ratios(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio)
 {
     const bvxi_repair_job *const job = user;
-    int32_t const v[3] = {i, j, k};
-    if (job->winding == NULL || i < 0 || j < 0 || k < 0 || v[axis] + 1 >= job->lattice.dims[axis]) return 0.5;
-    return bvxi_winding_ratio(job->winding, v, axis);
+    bvxi_winding_edge asked[BVXI_MISSING_MOST];
+    double told[BVXI_MISSING_MOST];
+    int32_t number[BVXI_MISSING_MOST], n = 0;
+    for (int32_t e = 0; e < count; e++) {
+        const int32_t *const v = edge[e].at;
+        int32_t const axis = edge[e].axis;
+        ratio[e] = 0.5;
+        if (job->winding == NULL || v[0] < 0 || v[1] < 0 || v[2] < 0 || v[axis] + 1 >= job->lattice.dims[axis]) continue;
+        memcpy(asked[n].v, v, sizeof asked[n].v);
+        asked[n].axis = axis;
+        number[n++] = e;
+    }
+    if (n > 0) bvxi_winding_ratios(job->winding, n, asked, told);
+    for (int32_t e = 0; e < n; e++) ratio[number[e]] = told[e];
 }
 
 static bvx_status extract_repaired(bvxi_repair_job *job, const repair_values *v, bvx_mesh *repaired)
@@ -132,7 +145,7 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const repair_values *v,
     values.distances = v->distances;
     values.triangles = v->triangles;
     values.mesh = &job->body;
-    values.missing = lid_ratio;
+    values.missing = lid_ratios;
     values.missing_user = job;
     bvx_field_surface_options_init(&o, sizeof o);
     o.interpolation = from->interpolation;
@@ -152,7 +165,7 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
     repair_values v;
     bvx_status status = open_values(job, &v);
     if (status == BVX_OK && job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
-        status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill, &job->winding);
+        status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill, &job->holes, &job->winding);
     if (status == BVX_OK) status = extract_repaired(job, &v, repaired);
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;

@@ -24,6 +24,9 @@ typedef struct cut_walk {
     int32_t bodies;
     int32_t j, k, w;
     uint64_t count[BVXI_CUT_KINDS];
+    bvxi_missing_edge missing[BVXI_MISSING_MOST]; /* asked together */
+    uint64_t missing_vertex[BVXI_MISSING_MOST];
+    int32_t missing_count;
 } cut_walk;
 
 static value_row start_value_row(const bvxi_cuts *c, const bvxi_edge_values *v, int32_t j, int32_t k)
@@ -106,9 +109,42 @@ static int is_lid(const bvxi_cut_edge *edge)
     return edge->low_distance + edge->high_distance > edge->length * (1.0 + 1e-6);
 }
 
+static double ratio_on_edge(double t)
+{
+    return bvxi_keep_off_ends(t >= 0.0 && t <= 1.0 ? t : 0.5);
+}
+
+/* ---- Edges that no value tells of ---- */
+
+static void place_missing_cuts(cut_walk *k)
+{
+    const bvxi_edge_values *const v = k->cuts->values;
+    double t[BVXI_MISSING_MOST];
+    if (k->missing_count == 0) return;
+    v->missing(v->missing_user, k->missing_count, k->missing, t);
+    for (int32_t n = 0; n < k->missing_count; n++) {
+        const bvxi_missing_edge *const e = &k->missing[n];
+        bvxi_put_crossing(k->cuts->march, k->missing_vertex[n], e->axis, e->at[0], e->at[1], e->at[2], ratio_on_edge(t[n]));
+    }
+    k->missing_count = 0;
+}
+
+static void take_missing_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i)
+{
+    bvxi_missing_edge *const e = &k->missing[k->missing_count];
+    e->axis = axis;
+    e->at[0] = i;
+    e->at[1] = k->j;
+    e->at[2] = k->k;
+    k->missing_vertex[k->missing_count++] = vertex;
+    if (k->missing_count == BVXI_MISSING_MOST) place_missing_cuts(k);
+}
+
+/* ---- Cuts ---- */
+
 typedef struct placed_cut {
     double t;
-    int32_t by;                 /* BVXI_CUT_... */
+    int32_t by;                 /* BVXI_CUT_...; LID: t is not known yet */
     bvxi_facet_plane planes[2]; /* where they are asked for */
 } placed_cut;
 
@@ -122,14 +158,13 @@ static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t 
     cut->by = BVXI_CUT_MIDDLE;
     cut->t = 0.5;
     if (known) cut->by = cut_edge(k, v, axis, i, low, high, &edge, &cut->t);
-    if (v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
-        cut->t = v->missing(v->missing_user, axis, i, k->j, k->k);
+    if (c->planes != NULL) memset(cut->planes, 0, sizeof cut->planes);
+    if (k->bodies == 1 && v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
         cut->by = BVXI_CUT_LID;
+        return;
     }
-    cut->t = bvxi_keep_off_ends(cut->t >= 0.0 && cut->t <= 1.0 ? cut->t : 0.5);
-    if (c->planes == NULL) return;
-    memset(cut->planes, 0, sizeof cut->planes);
-    if (known && cut->by != BVXI_CUT_LID) {
+    cut->t = ratio_on_edge(cut->t);
+    if (c->planes != NULL && known) {
         const bvx_grid *const g = c->march->grid;
         int32_t const at[3] = {i, k->j, k->k};
         double centre[3];
@@ -155,7 +190,8 @@ static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, con
     }
     k->count[cut.by]++;
     if (c->planes != NULL) memcpy(&c->planes[2 * vertex], cut.planes, sizeof cut.planes);
-    bvxi_put_crossing(c->march, vertex, axis, i, k->j, k->k, cut.t);
+    if (cut.by == BVXI_CUT_LID) take_missing_cut(k, vertex, axis, i);
+    else bvxi_put_crossing(c->march, vertex, axis, i, k->j, k->k, cut.t);
 }
 
 static void place_slot(cut_walk *k, uint64_t slot)
@@ -207,5 +243,6 @@ void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker)
     k.bodies = c->values->second != NULL ? 2 : 1;
     bvxi_piece(c->march->slot_count, c->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) place_slot(&k, s);
+    place_missing_cuts(&k);
     memcpy(c->piece_counts + BVXI_CUT_KINDS * (size_t)piece, k.count, sizeof k.count);
 }

@@ -4,6 +4,16 @@
 
 #include "surface/march.h"
 
+/* The edge from centre (i, j, k) of the window along axis; -1 is a centre before the window. */
+typedef struct bvxi_missing_edge {
+    int32_t axis, at[3];
+} bvxi_missing_edge;
+
+enum { BVXI_MISSING_MOST = 16 };
+
+/* Ratios of at most BVXI_MISSING_MOST edges. Called from workers. */
+typedef void bvxi_missing_fn(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio);
+
 /* What is known at centres. Value number n is that of set voxel number n of where; only those at ends of crossing edges are
  * looked at, so where need not be a band. */
 typedef struct bvxi_edge_values {
@@ -14,11 +24,11 @@ typedef struct bvxi_edge_values {
     const void *distances;         /* of either sign; NULL: the lengths of the vectors [Units: world] */
     const uint32_t *triangles;     /* sharp: the closest triangle, each below the mesh's count, or NULL */
     const bvx_mesh_view *mesh;     /* sharp: checked, indices too, where there are triangles */
-    bvxi_ratio_fn *missing;        /* crossings with an end that has no value (NULL: the middle), and those that no surface makes:
+    bvxi_missing_fn *missing;      /* crossings with an end that has no value (NULL: the middle), and those that no surface makes:
                                       the distances of both ends are together more than the edge (NULL: as others) */
     const void *missing_user;
     const bvx_grid *inside;        /* what these values bound: only edges whose ends differ in it are theirs; NULL: the surface's own */
-    const struct bvxi_edge_values *second; /* another body's values, or NULL; missing is not asked for its edges */
+    const struct bvxi_edge_values *second; /* another body's values, or NULL; where there is one, missing is not asked */
     int32_t outer;                 /* an edge of both is cut by 1: the one further from the inside, 0: the nearer one */
 } bvxi_edge_values;
 

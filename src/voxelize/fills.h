@@ -2,9 +2,13 @@
 #ifndef BVXI_FILLS_H
 #define BVXI_FILLS_H
 
-#include "voxelize/solid.h"
+#include "voxelize/holes.h"
 
 enum { BVXI_MOST_GAP = 65535 };
+
+/* voxelize_solid.c: fill a grid that is open by the rule parity, winding or vote; holes: what the rule looks at, found before, or
+ * NULL. Everything has been checked. */
+bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes, bvx_grid *solid);
 
 /* vote.c: solid's words become the vote. sure: words of the same shape (scratch), left with the centres whose rows along x, y
  * and z balance and agree; with want_clear also those whose solid angle lies within a quarter of a turn of a whole number. Local. Scratch: one turned grid, 3 bytes a row, and where there are holes holes.h and sheet.h. */

@@ -186,6 +186,14 @@ void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes)
     memset(holes, 0, sizeof *holes);
 }
 
+/* Edges by their corners' numbers, sorted; an edge is never there both ways (hole_edges.c). */
+static int32_t has_repeated_edge(const uint64_t *edges, uint64_t count)
+{
+    for (uint64_t i = 1; i < count; i++)
+        if (edges[i] == edges[i - 1]) return 1;
+    return 0;
+}
+
 static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count, bvxi_holes *holes)
 {
     uint64_t const bytes = s->vertex_count * 4;
@@ -195,7 +203,11 @@ static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number);
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex);
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end);
-    if (status == BVX_OK) status = join_loops(ctx, edges, count, place, number_places(s, edges, count, number, place), holes);
+    if (status == BVX_OK) {
+        uint64_t const corners = number_places(s, edges, count, number, place);
+        holes->repeated = has_repeated_edge(edges, count);
+        status = join_loops(ctx, edges, count, place, corners, holes);
+    }
     bvxi_free(ctx, number, bytes);
     bvxi_free(ctx, place, count * 8);
     return status;
@@ -223,4 +235,25 @@ bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bv
 bvx_status bvxi_holes_open_signed(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, bvxi_holes *holes)
 {
     return open_holes(ctx, view, snapped, 0, holes);
+}
+
+bvx_status bvxi_holes_check_corners(bvx_context *ctx, const char *function, const bvx_mesh_view *view)
+{
+    uint32_t corner[3];
+    for (uint64_t t = 0; t < view->triangle_count; t++)
+        if (BVXI_UNLIKELY(!bvxi_view_triangle(view, t, corner))) return bvxi_view_fail_index(ctx, function, view, t);
+    return BVX_OK;
+}
+
+bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_lattice *lattice,
+                                int32_t fill, bvxi_holes *holes)
+{
+    bvxi_snapped snapped;
+    bvx_status status;
+    memset(holes, 0, sizeof *holes);
+    BVXI_TRY(bvxi_holes_check_corners(ctx, function, view));
+    BVXI_TRY(bvxi_snap(ctx, function, view, lattice, &snapped));
+    status = open_holes(ctx, view, &snapped, fill != BVX_FILL_WINDING, holes);
+    bvxi_snap_free(ctx, &snapped);
+    return status;
 }

@@ -11,6 +11,7 @@ typedef struct bvxi_holes {
     uint64_t *loop_end;  /* [Size: loops] */
     uint64_t points, loops;
     uint64_t room;       /* points that the arrays were made for */
+    int32_t repeated;    /* 1: the loops have some edge more than once */
 } bvxi_holes;
 
 /* Find the edges that an odd number of triangles have, corners at equal snapped places taken as one, and join them to loops.
@@ -21,6 +22,12 @@ bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bv
 /* The same, but for triangles' directions: an edge is open as many times as more triangles run along it one way than the other,
  * and the loops run that way. No loop: every row meets the mesh as often entering as leaving. */
 bvx_status bvxi_holes_open_signed(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, bvxi_holes *holes);
+/* The loops are looked for before rows have read the triangles: are all corners below the vertex count? */
+bvx_status bvxi_holes_check_corners(bvx_context *ctx, const char *function, const bvx_mesh_view *view);
+/* The loops that a rule looks at: signed for WINDING, else plain. The mesh is snapped for it; scratch 16 bytes a vertex more. Where
+ * nothing is repeated both kinds are the same. */
+bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_lattice *lattice,
+                                int32_t fill, bvxi_holes *holes);
 /* hole_edges.c: the edges that triangles run along more often one way than the other, by vertices' numbers, one for all at a place:
  * from << 32 | to, that many times, or with odd_once once where that is odd. The caller frees *edges, [Size: *count * 8] bytes. */
 bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped, int odd_once, uint64_t **edges,

@@ -15,10 +15,7 @@
 
 #include <math.h>
 
-/* Parts are opened until each is off by less; the last opens all. */
-static const double sheet_near[3] = {1e-3, 5e-5, -1};
-#define SHEET_ROUNDING 1e-8
-#define SHEET_NO_BOUND 1e30
+const double bvxi_sheet_near[BVXI_SHEET_LEVELS] = {1e-3, 5e-5, -1};
 
 /* What one question gathers. Angles of near triangles are summed as a product of complex numbers and the times that it went
  * round, those of far parts as they are. */
@@ -133,7 +130,7 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
     cross_seen(a, b, c);
     cc = dot_seen(c, c);
     if (d < 2 * sum->reach) d = (dot_seen(a, u) >= 0 ? la : dot_seen(b, u) <= 0 ? lb : sqrt(cc) / length) - sum->reach; /* exactly */
-    rest = d <= 1e-3 * sum->reach ? SHEET_NO_BOUND : sum->reach * sum->reach * length / (4 * BVXI_PI * d * d * d);
+    rest = d <= 1e-3 * sum->reach ? BVXI_SHEET_NO_BOUND : sum->reach * sum->reach * length / (4 * BVXI_PI * d * d * d);
     if (rest > sum->edge_rest && sum->look->edges < BVXI_LOOK_EDGES) {
         bvxi_near_edge *const e = &sum->look->edge[sum->look->edges++];
         e->a = *pa;
@@ -145,7 +142,7 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
     } else {
         sum->bend += rest;
     }
-    if (rest >= SHEET_NO_BOUND) return;
+    if (rest >= BVXI_SHEET_NO_BOUND) return;
     /* (a x b) (|a| + |b|) / (|a| |b| (|a| |b| + a b)), without cancelling where a and b point away from each other */
     factor = ab >= 0 ? (la + lb) / (4 * BVXI_PI * la * lb * (la * lb + ab)) : (la + lb) * (la * lb - ab) / (4 * BVXI_PI * la * lb * cc);
     for (int k = 0; k < 3; k++) gradient[k] += factor * c[k];
@@ -218,7 +215,7 @@ static void add_sheet(const bvxi_sheet *s, const int64_t p[3], double near, shee
     sum->re = 1;
     sum->im = sum->turns = 0;
     sum->rounds = sum->factors = 0;
-    sum->error = SHEET_ROUNDING;
+    sum->error = BVXI_SHEET_ROUNDING;
     sum->near = near;
     w.count = 0;
     if (s->holes->loops > 0) bvxi_sheet_push(&w, 0, s->holes->loops);
@@ -254,27 +251,29 @@ void bvxi_sheet_around(const bvxi_sheet *s, const int64_t p[3], double reach, do
     sum.edge_rest = edge_rest;
     add_sheet(s, p, near, &sum);
     look->turns = sum.turns;
-    look->rest = SHEET_ROUNDING + sum.rest;
+    look->rest = BVXI_SHEET_ROUNDING + sum.rest;
     look->bend = sum.bend;
     for (int a = 0; a < 3; a++) look->gradient[a] = sum.gradient[a];
+}
+
+int bvxi_sheet_conclude(double turns, double error, int32_t want_clear, bvxi_sheet_answer *answer)
+{
+    double const whole = floor(turns + 0.5), signed_off = turns - whole; /* -1/2 .. 1/2 */
+    double const off = signed_off < 0 ? -signed_off : signed_off, from_quarter = off < 0.25 ? 0.25 - off : off - 0.25;
+    answer->tie = off + error < 0.5 ? 0 : signed_off < 0 ? -1 : 1;
+    answer->whole = (int32_t)whole;
+    answer->clear = off < 0.25;
+    return !answer->tie && (!want_clear || from_quarter > error);
 }
 
 bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, const int64_t p[3], int32_t want_clear)
 {
     bvxi_sheet_answer answer = {0, 0, 0};
-    for (int level = 0; level < 3; level++) {
+    for (int level = 0; level < BVXI_SHEET_LEVELS; level++) {
         sheet_sum sum;
-        double whole, off, from_quarter;
         sum.reach = 0;
-        add_sheet(s, p, sheet_near[level], &sum);
-        whole = floor(sum.turns + 0.5);
-        off = sum.turns - whole; /* -1/2 .. 1/2 */
-        answer.tie = (off < 0 ? -off : off) + sum.error < 0.5 ? 0 : off < 0 ? -1 : 1;
-        off = off < 0 ? -off : off;
-        from_quarter = off < 0.25 ? 0.25 - off : off - 0.25;
-        answer.whole = (int32_t)whole;
-        answer.clear = off < 0.25;
-        if (!answer.tie && (!want_clear || from_quarter > sum.error)) break;
+        add_sheet(s, p, bvxi_sheet_near[level], &sum);
+        if (bvxi_sheet_conclude(sum.turns, sum.error, want_clear, &answer)) break;
     }
     return answer;
 }

@@ -23,6 +23,7 @@ typedef struct bvxi_sheet {
     double scale[3];       /* fixed point to these units */
     double step[3];        /* one voxel */
     int32_t fraction_bits;
+    int32_t fast;          /* 1: four places at once */
 } bvxi_sheet;
 
 static inline const double *bvxi_sheet_point(const bvxi_sheet *s, uint64_t i)
@@ -71,6 +72,15 @@ typedef struct bvxi_sheet_answer {
 
 bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *sheet, const int64_t p[3], int32_t want_clear);
 
+/* Parts are opened until each is off by less; the last opens all. */
+enum { BVXI_SHEET_LEVELS = 3 };
+extern const double bvxi_sheet_near[BVXI_SHEET_LEVELS];
+#define BVXI_SHEET_ROUNDING 1e-8
+#define BVXI_SHEET_NO_BOUND 1e30
+
+/* What turns, off by less than error, say. Returns 1 when nothing is left open. */
+int bvxi_sheet_conclude(double turns, double error, int32_t want_clear, bvxi_sheet_answer *answer);
+
 /* The angle around a place: at p + h, |h| <= reach, it is turns + gradient h + what the near edges sweep on the way, to rest + bend
  * (|h| / reach)^2, and whole numbers where the way crosses the near triangles. [Units: turns; lengths: the largest spacing] */
 enum { BVXI_LOOK_EDGES = 16, BVXI_LOOK_TRIANGLES = 8 };
@@ -101,6 +111,13 @@ typedef struct bvxi_sheet_look {
 
 /* edge_rest: edges whose share of rest is larger are left to look->edge, as far as there is room. */
 void bvxi_sheet_around(const bvxi_sheet *sheet, const int64_t p[3], double reach, double near, double edge_rest, bvxi_sheet_look *look);
+
+/* sheet_four.c: the same for four places, some of which may be one. Angles have the same digits, near >= 0; around the places, with
+ * one reach, what is told is as right in others. */
+void bvxi_sheet_angles_four(const bvxi_sheet *sheet, const int64_t p[4][3], double near, double turns[4]);
+void bvxi_sheet_around_four(const bvxi_sheet *sheet, const int64_t p[4][3], double reach, double near, double edge_rest,
+                            bvxi_sheet_look look[4]);
+void bvxi_sheet_turns_four(const bvxi_sheet *sheet, const int64_t p[4][3], int32_t want_clear, bvxi_sheet_answer answer[4]);
 
 /* sheet_near.c: what the near edges sweep on the straight way from the place by h, added to *turns; and how often that enters the
  * near triangles, more than leaves. 0: doubles cannot tell. */

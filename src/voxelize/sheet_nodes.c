@@ -160,6 +160,7 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
     sheet->holes = holes;
     sheet->xyz = snapped->xyz;
     sheet->fraction_bits = lattice->fraction_bits;
+    sheet->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     for (int a = 0; a < 3; a++) {
         sheet->step[a] = lattice->spacing[a] / largest;
         sheet->scale[a] = sheet->step[a] / (double)(1 << lattice->fraction_bits);

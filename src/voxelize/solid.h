@@ -48,6 +48,7 @@ struct bvxi_solid_job {
     bvxi_snapped snapped;
     bvxi_row_block block;    /* [Units: lattice rows] */
     int32_t fraction_bits, fill, cpu, mode;
+    const struct bvxi_holes *holes; /* where not NULL: the loops that the fill looks at, found before */
     double progress_from, progress_share; /* of this block in the stage's progress */
     bvxi_chunk *chunk;
     int32_t chunks, rounds;  /* rounds: that the last pass took */

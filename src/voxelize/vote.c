@@ -155,20 +155,26 @@ static bvx_status move_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w
     return status;
 }
 
-static bvx_status ask_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from, double to)
+static bvx_status ask_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, const bvxi_holes *holes, double from, double to)
 {
-    bvxi_holes holes;
     bvxi_sheet sheet;
     bvx_status status;
+    BVXI_TRY(bvxi_sheet_open(ctx, holes, &job->snapped, &w->solid->lattice, &sheet));
+    w->sheet = &sheet;
+    job->odd_rows = NULL;
+    status = move_sheet(ctx, job, w, holes, from, to);
+    bvxi_sheet_close(ctx, &sheet);
+    return status;
+}
+
+static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from, double to)
+{
+    bvxi_holes holes;
+    bvx_status status;
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
+    if (job->holes != NULL) return ask_sheet(ctx, job, w, job->holes, from, to);
     BVXI_TRY(bvxi_holes_open(ctx, job->view, &job->snapped, &holes));
-    status = bvxi_sheet_open(ctx, &holes, &job->snapped, &w->solid->lattice, &sheet);
-    if (status == BVX_OK) {
-        w->sheet = &sheet;
-        job->odd_rows = NULL;
-        status = move_sheet(ctx, job, w, &holes, from, to);
-        bvxi_sheet_close(ctx, &sheet);
-    }
+    status = ask_sheet(ctx, job, w, &holes, from, to);
     bvxi_holes_close(ctx, &holes);
     return status;
 }
@@ -183,7 +189,7 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
     if (status == BVX_OK) {
         mark_even_columns(w->odd_rows[1], size[0], size[2], w->even_y);
         mark_even_columns(w->odd_rows[2], size[0], size[1], w->even_z);
-        if (!drop_odd_rows(w)) status = ask_sheet(ctx, job, w, from, to);
+        if (!drop_odd_rows(w)) status = find_holes_and_ask(ctx, job, w, from, to);
     }
     bvxi_free(ctx, w->even_z, z_bytes);
     bvxi_free(ctx, w->even_y, y_bytes);

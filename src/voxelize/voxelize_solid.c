@@ -117,18 +117,27 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
     return status;
 }
 
-static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o, bvx_grid *solid,
-                               bvx_solid_report *report)
+static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o, const bvxi_holes *holes,
+                               bvx_grid *solid, bvx_solid_report *report)
 {
     bvxi_solid_job job;
     bvx_status status;
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
+    job.holes = holes;
     if (o->fill <= BVX_FILL_NONZERO) status = bvxi_solid_fill(ctx, &job, solid, 0, o->fill, 0.1, 1.0, report);
     else if (o->fill == BVX_FILL_BELOW) status = fill_below(ctx, &job, o, solid, report);
     else if (o->fill == BVX_FILL_WINDING) status = bvxi_wind(ctx, &job, solid, 0.1, 1.0, report);
     else status = fill_by_vote(ctx, &job, o, solid, report);
     bvxi_solid_close(ctx, &job);
     return status;
+}
+
+bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes, bvx_grid *solid)
+{
+    bvx_voxelize_options o = voxelize_defaults;
+    bvx_solid_report unused = {0};
+    o.fill = fill;
+    return fill_by_rule(ctx, mesh, &o, holes, solid, &unused);
 }
 
 /* ---- What comes after ---- */
@@ -165,7 +174,7 @@ bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, c
     BVXI_TRY(check_arguments(context, mesh, lattice, options, &o, &window));
     made = *solid;
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
-    status = fill_by_rule(context, mesh, &o, &made, &report);
+    status = fill_by_rule(context, mesh, &o, NULL, &made, &report);
     if (status == BVX_OK && o.add_shell) status = add_the_shell(context, mesh, &made, &report);
     if (status == BVX_OK && o.check_edges) status = count_edges(context, mesh, &report);
     if (status != BVX_OK) {

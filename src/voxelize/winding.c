@@ -104,13 +104,11 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
     return status;
 }
 
-/* The loops are looked for before the rows have read the triangles. */
-static bvx_status check_corners(bvx_context *ctx, const char *function, const bvx_mesh_view *view)
+static bvx_status wind_with_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes, const bvx_grid *solid, double from,
+                                  double to, bvx_solid_report *report)
 {
-    uint32_t corner[3];
-    for (uint64_t t = 0; t < view->triangle_count; t++)
-        if (BVXI_UNLIKELY(!bvxi_view_triangle(view, t, corner))) return bvxi_view_fail_index(ctx, function, view, t);
-    return BVX_OK;
+    if (holes->loops == 0) return bvxi_solid_fill(ctx, job, solid, 0, BVX_FILL_NONZERO, from, to, report);
+    return wind_over_holes(ctx, job, holes, solid, from, to, report);
 }
 
 bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *solid, double from, double to, bvx_solid_report *report)
@@ -118,11 +116,11 @@ bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *soli
     double const part = from + (to - from) / 4;
     bvxi_holes holes;
     bvx_status status;
-    BVXI_TRY(check_corners(ctx, job->function, job->view));
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
+    if (job->holes != NULL) return wind_with_holes(ctx, job, job->holes, solid, part, to, report);
+    BVXI_TRY(bvxi_holes_check_corners(ctx, job->function, job->view));
     BVXI_TRY(bvxi_holes_open_signed(ctx, job->view, &job->snapped, &holes));
-    if (holes.loops == 0) status = bvxi_solid_fill(ctx, job, solid, 0, BVX_FILL_NONZERO, part, to, report);
-    else status = wind_over_holes(ctx, job, &holes, solid, part, to, report);
+    status = wind_with_holes(ctx, job, &holes, solid, part, to, report);
     bvxi_holes_close(ctx, &holes);
     return status;
 }
@@ -131,7 +129,7 @@ bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *soli
 
 struct bvxi_winding {
     bvxi_snapped snapped;
-    bvxi_holes holes;
+    const bvxi_holes *holes;
     bvxi_sheet sheet;
     int32_t rule;
 };
@@ -145,52 +143,59 @@ void bvxi_winding_close(bvx_context *ctx, bvxi_winding *winding)
 {
     if (winding == NULL) return;
     if (winding->sheet.holes != NULL) bvxi_sheet_close(ctx, &winding->sheet);
-    bvxi_holes_close(ctx, &winding->holes);
     bvxi_snap_free(ctx, &winding->snapped);
     bvxi_free(ctx, winding, sizeof *winding);
 }
 
 bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                             int32_t rule, bvxi_winding **winding)
+                             int32_t rule, const bvxi_holes *holes, bvxi_winding **winding)
 {
     bvxi_winding *w;
     bvx_status status;
     *winding = NULL;
-    BVXI_TRY(check_corners(ctx, function, mesh));
+    if (holes->loops == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *w, "the winding number's holes", &w));
     w->rule = rule;
+    w->holes = holes;
     status = bvxi_snap(ctx, function, mesh, lattice, &w->snapped);
-    if (status == BVX_OK)
-        status = rule == BVX_FILL_VOTE ? bvxi_holes_open(ctx, mesh, &w->snapped, &w->holes)
-                                       : bvxi_holes_open_signed(ctx, mesh, &w->snapped, &w->holes);
-    if (status == BVX_OK && w->holes.loops > 0) status = bvxi_sheet_open(ctx, &w->holes, &w->snapped, lattice, &w->sheet);
-    if (status == BVX_OK && w->holes.loops > 0) *winding = w;
+    if (status == BVX_OK) status = bvxi_sheet_open(ctx, holes, &w->snapped, lattice, &w->sheet);
+    if (status == BVX_OK) *winding = w;
     else bvxi_winding_close(ctx, w);
     return status;
 }
 
 /* The winding number's fraction is the sheet's. Without a triangle on the way the number changes steadily, so of all numbers with the
  * two fractions it goes between those that lie nearest to each other on either side of a half. */
-double bvxi_winding_ratio(const bvxi_winding *winding, const int32_t v[3], int32_t axis)
+static double ratio_between(double from, double to, int32_t rule)
 {
-    int64_t const step = (int64_t)1 << winding->sheet.fraction_bits;
-    int64_t p[3];
-    double from, to, half, t;
-    for (int32_t a = 0; a < 3; a++) p[a] = v[a] * step + step / 2;
-    from = bvxi_sheet_angle(&winding->sheet, p, WINDING_NEAR);
-    p[axis] += step;
-    to = bvxi_sheet_angle(&winding->sheet, p, WINDING_NEAR);
+    double half, t;
     from -= floor(from);
     to -= floor(to);
     if ((from < 0.5) == (to < 0.5)) { /* not by way of the half: it is at an end, or the way is by the whole number to the next half */
         double const near_from = from < 0.5 ? 0.5 - from : from - 0.5, near_to = to < 0.5 ? 0.5 - to : to - 0.5;
         if (near_from < WINDING_AT_END || near_to < WINDING_AT_END) return near_from < near_to ? WINDING_LEAST : 1 - WINDING_LEAST;
-        if (winding->rule == BVX_FILL_VOTE) return 0.5; /* or rows have decided */
+        if (rule == BVX_FILL_VOTE) return 0.5; /* or rows have decided */
         to += to > from ? -1 : 1;
     }
     half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
     t = (half - from) / (to - from);
     return !(t > 0 && t < 1) ? 0.5 : t < WINDING_LEAST ? WINDING_LEAST : t > 1 - WINDING_LEAST ? 1 - WINDING_LEAST : t;
+}
+
+void bvxi_winding_ratios(const bvxi_winding *winding, int32_t count, const bvxi_winding_edge *edge, double *ratio)
+{
+    int64_t const step = (int64_t)1 << winding->sheet.fraction_bits;
+    for (int32_t i = 0; i < count; i += 2) { /* two edges have four ends */
+        double turns[4];
+        int64_t p[4][3];
+        for (int32_t k = 0; k < 4; k++) {
+            const bvxi_winding_edge *const e = &edge[i + k / 2 < count ? i + k / 2 : i];
+            for (int32_t a = 0; a < 3; a++) p[k][a] = e->v[a] * step + step / 2 + (a == e->axis && k % 2 != 0 ? step : 0);
+        }
+        bvxi_sheet_angles_four(&winding->sheet, (const int64_t(*)[3])p, WINDING_NEAR, turns);
+        ratio[i] = ratio_between(turns[0], turns[1], winding->rule);
+        if (i + 1 < count) ratio[i + 1] = ratio_between(turns[2], turns[3], winding->rule);
+    }
 }
 
 double bvxi_winding_off(const bvxi_winding *winding, const int64_t p[3])

@@ -4,6 +4,8 @@
 #include "field/nearest.h"
 #include "tools/mesh_maker.h"
 
+#include <math.h>
+
 static maker_mesh star;
 static bvx_mesh_view view;
 static bvx_lattice lattice;
@@ -39,7 +41,7 @@ typedef struct found {
 static bvx_status fill(bvx_context *ctx, double from, double to, const bvxi_nearest *nearest, const bvx_grid *g, found *f)
 {
     bvxi_nearest_values const v = {BVX_F32, f->vectors, NULL, f->triangles, NULL};
-    bvx_status const status = bvxi_nearest_fill(ctx, "test", from, to, nearest, g, f->first, &v);
+    bvx_status const status = bvxi_nearest_fill(ctx, "test", from, to, nearest, HUGE_VAL, g, f->first, &v);
     uint64_t const n = f->first[32 * 30];
     if (status == BVX_OK) f->mark = bvx_hash(f->vectors, n * 12, bvx_hash(f->triangles, n * 4, f->mark));
     return status;

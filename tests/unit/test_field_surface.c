@@ -297,13 +297,17 @@ static double value_length(int64_t n)
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-static double place_missing(const void *user, int32_t axis, int32_t i, int32_t j, int32_t k)
+static void place_missing(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio)
 {
-    int64_t const low = oracle_value(i, j, k), high = oracle_value(i + (axis == 0), j + (axis == 1), k + (axis == 2));
-    TEST_ASSERT_TRUE(low < 0 || high < 0 || value_length(low) + value_length(high) > 1);
     (void)user;
-    TEST_ASSERT_TRUE(oracle_voxel(&field.inside, i, j, k) != oracle_voxel(&field.inside, i + (axis == 0), j + (axis == 1), k + (axis == 2)));
-    return 0.25;
+    TEST_ASSERT_TRUE(count > 0 && count <= BVXI_MISSING_MOST);
+    for (int32_t e = 0; e < count; e++) {
+        int32_t const axis = edge[e].axis, i = edge[e].at[0], j = edge[e].at[1], k = edge[e].at[2];
+        int64_t const low = oracle_value(i, j, k), high = oracle_value(i + (axis == 0), j + (axis == 1), k + (axis == 2));
+        TEST_ASSERT_TRUE(low < 0 || high < 0 || value_length(low) + value_length(high) > 1);
+        TEST_ASSERT_TRUE(oracle_voxel(&field.inside, i, j, k) != oracle_voxel(&field.inside, i + (axis == 0), j + (axis == 1), k + (axis == 2)));
+        ratio[e] = 0.25;
+    }
 }
 
 static void test_edges_without_values_are_asked_for(void)

@@ -104,7 +104,7 @@ static void fill(bvx_context *c, const bvxi_nearest *nearest, int32_t value_type
     v.distances = a->distances;
     v.triangles = a->triangles;
     v.features = a->features;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(c, "test", 0, 1, nearest, &a->band, a->first, &v));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(c, "test", 0, 1, nearest, HUGE_VAL, &a->band, a->first, &v));
     TEST_ASSERT_EQUAL_UINT8(0x77, ((uint8_t *)a->distances)[a->count * a->size]);
     TEST_ASSERT_EQUAL_UINT8(0x77, a->features[a->count]);
 }
@@ -453,10 +453,10 @@ static void test_nearest_fills_what_was_not_in_the_band(void)
     bvx_context_destroy(other);
 }
 
-/* Values that are not asked for. */
+/* Values that are not asked for, and guesses that are right, hold for some centres, for few, for none. */
 static void test_nearest_fills_single_arrays(void)
 {
-    static const double origin[3] = {-2, 0, 1}, spacing[3] = {1, 1, 1};
+    static const double origin[3] = {-2, 0, 1}, spacing[3] = {1, 1, 1}, guess[4] = {2.0, 0.9, 0.05, 0.0};
     bvxi_nearest *nearest = NULL;
     make_mesh(0);
     asked q = question(view_as(BVX_F32), lattice_of(origin, spacing, 26, 21, 23), 2.0);
@@ -472,7 +472,7 @@ static void test_nearest_fills_single_arrays(void)
         if (i == 1) v.distances = got;
         if (i == 2) v.triangles = got;
         if (i == 3) v.features = got;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(ctx, "test", 0, 1, nearest, &a.band, a.first, &v));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(ctx, "test", 0, 1, nearest, guess[i], &a.band, a.first, &v));
         TEST_ASSERT_EQUAL_INT(0, memcmp(got, i == 0 ? a.vectors : i == 1 ? a.distances : i == 2 ? (void *)a.triangles : a.features, (size_t)bytes));
         free(got);
     }

@@ -227,6 +227,53 @@ static void test_a_far_hole_leaves_the_rest_as_it_is(void)
     }
 }
 
+/* ---- Four places at once ---- */
+
+/* Angles have the same digits one by one and four at once, also at places in the sheet; and so have the answers. */
+static void test_four_angles_are_those_of_each(void)
+{
+    int32_t asked = 0;
+    for (int trial = 0; trial < 20; trial++) {
+        bvx_lattice const l = lattice_of(24, 22, 20);
+        bvx_mesh_view view;
+        bvxi_snapped snap;
+        bvxi_holes holes;
+        bvxi_sheet sheet;
+        maker_clear(&mesh);
+        make_stars(1 + trial % 3, &l, 65536, 10, 0);
+        cut_holes(1 + trial % 4, 2 + trial % 7);
+        view = maker_view(&mesh);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_snap(ctx, "test", &view, &l, &snap));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_holes_open_signed(ctx, &view, &snap, &holes));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_sheet_open(ctx, &holes, &snap, &l, &sheet));
+        for (int n = 0; n < 200 && holes.loops > 0; n++, asked++) {
+            static const double near[3] = {1e-3, 1e-2, 1e-6};
+            int32_t const want_clear = n / 3 % 2;
+            bvxi_sheet_answer answer[4];
+            int64_t p[4][3];
+            double turns[4];
+            for (int i = 0; i < 4; i++)
+                for (int a = 0; a < 3; a++)
+                    p[i][a] = n % 5 == 0 ? snap.xyz[3 * (size_t)holes.vertex[maker_below(&seed, (int32_t)holes.points)] + (size_t)a]
+                                         : maker_below(&seed, l.dims[a] << l.fraction_bits);
+            bvxi_sheet_angles_four(&sheet, (const int64_t(*)[3])p, near[n % 3], turns);
+            bvxi_sheet_turns_four(&sheet, (const int64_t(*)[3])p, want_clear, answer);
+            for (int i = 0; i < 4; i++) {
+                double const alone = bvxi_sheet_angle(&sheet, p[i], near[n % 3]);
+                bvxi_sheet_answer const told = bvxi_sheet_turns(&sheet, p[i], want_clear);
+                TEST_ASSERT_EQUAL_INT(0, memcmp(&alone, &turns[i], sizeof alone));
+                TEST_ASSERT_EQUAL_INT32(told.whole, answer[i].whole);
+                TEST_ASSERT_EQUAL_INT32(told.tie, answer[i].tie);
+                if (want_clear) TEST_ASSERT_EQUAL_INT32(told.clear, answer[i].clear);
+            }
+        }
+        bvxi_sheet_close(ctx, &sheet);
+        bvxi_holes_close(ctx, &holes);
+        bvxi_snap_free(ctx, &snap);
+    }
+    TEST_ASSERT_TRUE(asked >= 2000);
+}
+
 /* ---- Bricks ---- */
 
 /* All centres of a block have what they say by themselves. */
@@ -419,7 +466,9 @@ static void test_ratios_are_where_the_angle_is_a_half(void)
     for (int32_t trial = 0; trial < (quick ? 1 : 16); trial++) {
         bvx_lattice const l = lattice_of(40, 38, 36);
         bvx_mesh_view view;
+        bvxi_holes holes;
         bvxi_winding *w;
+        bvxi_winding_edge edge;
         bvx_grid g, surface = {0};
         int64_t *q;
         double scale[3];
@@ -427,15 +476,18 @@ static void test_ratios_are_where_the_angle_is_a_half(void)
         make_stars(1, &l, 65536, 12, 0);
         if (trial == 0) {
             view = maker_view(&mesh);
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_winding_open(ctx, "test", &view, &l, BVX_FILL_WINDING, &w));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_holes_open_rule(ctx, "test", &view, &l, BVX_FILL_WINDING, &holes));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_winding_open(ctx, "test", &view, &l, BVX_FILL_WINDING, &holes, &w));
             TEST_ASSERT_NULL(w);
+            bvxi_holes_close(ctx, &holes);
             bvxi_winding_close(ctx, w);
         }
         cut_holes(2, 8);
         view = maker_view(&mesh);
         q = snapped(&l);
         for (int a = 0; a < 3; a++) scale[a] = l.spacing[a] / (1 << l.fraction_bits);
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_winding_open(ctx, "test", &view, &l, rules[trial % 2], &w));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_holes_open_rule(ctx, "test", &view, &l, rules[trial % 2], &holes));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_winding_open(ctx, "test", &view, &l, rules[trial % 2], &holes, &w));
         TEST_ASSERT_NOT_NULL(w);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, &l, NULL, &surface));
         g = solid_of(&l, rules[trial % 2]);
@@ -453,7 +505,9 @@ static void test_ratios_are_where_the_angle_is_a_half(void)
                         from = fabs(fill_turns_at(q, mesh.t, mesh.triangles, c, fill_unmoved, scale, &clear));
                         c[axis] += INT64_C(1) << l.fraction_bits;
                         to = fabs(fill_turns_at(q, mesh.t, mesh.triangles, c, fill_unmoved, scale, &also_clear));
-                        t = bvxi_winding_ratio(w, v, axis);
+                        memcpy(edge.v, v, sizeof edge.v);
+                        edge.axis = axis;
+                        bvxi_winding_ratios(w, 1, &edge, &t);
                         TEST_ASSERT_TRUE(t > 0 && t < 1);
                         if (trial % 2 && (from > 0.5) == (to > 0.5)) { /* rows decided */
                             TEST_ASSERT_TRUE(t == 0.5 || t == 0.001 || t == 0.999);
@@ -466,6 +520,7 @@ static void test_ratios_are_where_the_angle_is_a_half(void)
         bvx_grid_free(ctx, &g);
         bvx_grid_free(ctx, &surface);
         bvxi_winding_close(ctx, w);
+        bvxi_holes_close(ctx, &holes);
         free(q);
     }
     TEST_ASSERT_TRUE(told > 300);
@@ -474,6 +529,7 @@ static void test_ratios_are_where_the_angle_is_a_half(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_four_angles_are_those_of_each);
     RUN_TEST(test_bodies_with_holes);
     RUN_TEST(test_fine_bodies_with_wide_holes);
     RUN_TEST(test_triangles_that_have_nothing_to_do_with_each_other);
