@@ -80,6 +80,7 @@ static void stand_for_file(const bvx_grid *part, bvx_grid *whole)
     memcpy(whole->size, part->lattice.dims, sizeof whole->size);
     whole->words_per_row = (whole->size[0] - 1) / 64 + 1;
     whole->word_capacity = UINT64_MAX;
+    if (whole->words == NULL) whole->words = &whole->word_capacity; /* a volume has none */
 }
 
 /* The part that was read gets its place on the side-car's lattice. */

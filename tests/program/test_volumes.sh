@@ -81,6 +81,11 @@ gives 'one label' 0 'closed, manifold' voxelize "$labels" -o seven.stl --label 7
 same 'one label alone and among all' seven.stl part_7.stl
 gives 'labels need a number in the name' 2 'needs %d' voxelize "$labels" -o part.stl --all-labels
 gives 'a number without labels' 2 'is for --all-labels' voxelize "$labels" -o part_%d.stl --label 1
+# The side-car of a volume tells its place.
+"$program" voxelize "$labels" -o placed.npy --label 1 >out 2>err </dev/null
+cp "$labels" beside.npy
+cp placed.npy.json beside.npy.json
+gives 'a volume beside a side-car' 0 'triangles' voxelize beside.npy -o part_%d.ply --all-labels
 
 # ---- refusals ----
 gives 'two choices' 2 'exclude each other' voxelize "$waves" -o a.bvx --level 5 --range 1,2
