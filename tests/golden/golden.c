@@ -307,6 +307,8 @@ static void bare_cases(golden *g)
 #include "field_cases.h"
 #include "query_cases.h"
 #include "algebra_cases.h"
+#include "morph_cases.h"
+#include "volume_cases.h"
 
 static const struct {
     const char *file;
@@ -326,6 +328,8 @@ static const struct {
     {"files", file_cases},
     {"pictures", picture_cases},
     {"algebra", algebra_cases},
+    {"morphology", morph_cases},
+    {"volumes", volume_cases},
 };
 
 /* ---- Files ---- */
