@@ -51,7 +51,7 @@ typedef struct cli_command {
     int (*run)(cli_run *run);
 } cli_command;
 
-/* ---- option_table.c, arguments.c: what the command line says ---- */
+/* ---- option_table.c, option_values.c, arguments.c: what the command line says ---- */
 
 typedef struct cli_list {
     int count;
@@ -186,6 +186,10 @@ extern const char *const cli_fill_names[], *const cli_mode_names[];
 extern const char *const cli_sign_names[];
 /* Row i of the table, NULL behind the last; one name may stand in several rows for different commands. */
 const cli_argument *cli_argument_at(int i);
+/* Store an option's value in its field; 0 when it is malformed. */
+int cli_take_value(const cli_argument *a, const char *text, cli_options *o);
+/* "a whole number from 0 to 1024": what a value must be. */
+void cli_describe_value(const cli_argument *a, char *text, size_t room);
 /* Fill run->options; CLI_DONE or CLI_USAGE with a message. */
 int cli_parse(cli_run *run, int count, char **word);
 /* 1 when this option of the command stands on its command line. */

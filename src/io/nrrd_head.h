@@ -27,6 +27,16 @@ typedef struct nrrd_head {
 /* The fields up to the blank line; the head's source is set, all else 0. */
 bvx_status bvxi_nrrd_head_read(nrrd_head *h);
 
+/* What stands behind a field's colon. */
+typedef struct nrrd_value {
+    const char *p, *end;
+} nrrd_value;
+
+/* nrrd_fields.c: the field of this name takes its value; names are compared in either case of letters, blanks as in name. */
+bvx_status bvxi_nrrd_take_field(nrrd_head *h, const char *name, size_t length, nrrd_value *value);
+int bvxi_nrrd_is(const char *text, size_t n, const char *name);
+void bvxi_nrrd_skip_blank(nrrd_value *v);
+
 /* BVX_ERR_UNSUPPORTED with the line of a place in the head. */
 BVXI_COLD bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, const char *at, const char *why);
 

@@ -68,6 +68,27 @@ static bvx_status unite(void *user, bvx_context *ctx)
     return end_grid(ctx, bvx_grid_union(ctx, &a, &b, &g), &g);
 }
 
+static bvx_status intersect(void *user, bvx_context *ctx)
+{
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_intersection(ctx, &a, &b, &g), &g);
+}
+
+static bvx_status take_away(void *user, bvx_context *ctx)
+{
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_subtract(ctx, &a, &b, &g), &g);
+}
+
+static bvx_status differ(void *user, bvx_context *ctx)
+{
+    bvx_grid g = {0};
+    (void)user;
+    return end_grid(ctx, bvx_grid_xor(ctx, &a, &b, &g), &g);
+}
+
 static bvx_status invert(void *user, bvx_context *ctx)
 {
     bvx_grid g = {0};
@@ -174,8 +195,8 @@ typedef struct algebra_case {
 } algebra_case;
 
 static algebra_case cases[] = {
-    {"union", unite, 0}, {"complement", invert, 0}, {"downsample", reduce, 0}, {"coverage", cover, 0}, {"content", find_content, 0},
-    {"crop", crop, 0}, {"pad", pad, 0}, {"permute", permute, 0}, {"resample", resample, 0},
+    {"union", unite, 0}, {"intersection", intersect, 0}, {"difference", take_away, 0}, {"xor", differ, 0}, {"complement", invert, 0},
+    {"downsample", reduce, 0}, {"coverage", cover, 0}, {"content", find_content, 0}, {"crop", crop, 0}, {"pad", pad, 0}, {"permute", permute, 0}, {"resample", resample, 0},
     {"boolean union", join_meshes, 0}, {"boolean difference, sharp", cut_meshes, 0},
 };
 enum { CASES = sizeof cases / sizeof cases[0] };

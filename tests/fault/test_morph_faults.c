@@ -67,6 +67,17 @@ static bvx_status close_by_steps(void *user, bvx_context *ctx)
     return keep_grid(ctx, bvx_grid_close(ctx, &cubic, &o, &g), &g);
 }
 
+static bvx_status dilate_by_steps(void *user, bvx_context *ctx)
+{
+    bvx_morph_options o;
+    bvx_grid g = {0};
+    (void)user;
+    bvx_morph_options_init(&o, sizeof o);
+    o.neighbourhood = 26;
+    o.steps = 3;
+    return keep_grid(ctx, bvx_grid_dilate(ctx, &stretched, &o, &g), &g);
+}
+
 static bvx_status open_by_steps(void *user, bvx_context *ctx)
 {
     bvx_morph_options o;
@@ -144,6 +155,17 @@ static bvx_status stretched_distances(void *user, bvx_context *ctx)
     return measure(ctx, &stretched, BVX_DISTANCE_SIGNED);
 }
 
+static bvx_status squares(void *user, bvx_context *ctx)
+{
+    enum { VOXELS = 70 * 14 * 12 };
+    static uint32_t made[VOXELS];
+    bvx_status status;
+    (void)user;
+    status = bvx_grid_distance_squares(ctx, &cubic, NULL, made, VOXELS);
+    if (status == BVX_OK) mark = bvx_hash(made, sizeof made, 0);
+    return status;
+}
+
 typedef struct morph_kind {
     const char *name;
     fault_operation_fn *run;
@@ -153,7 +175,7 @@ typedef struct morph_kind {
 static morph_kind kinds[] = {
     {"close", close_by_steps, 0},       {"open", open_by_steps, 0}, {"ball", open_by_a_ball, 0},
     {"large", erode_by_a_large_ball, 0}, {"hollow", hollow, 0},     {"distance", distances, 0},
-    {"stretched", stretched_distances, 0},
+    {"stretched", stretched_distances, 0}, {"squares", squares, 0}, {"dilate", dilate_by_steps, 0},
 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 

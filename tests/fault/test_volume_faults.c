@@ -261,6 +261,40 @@ static void test_volumes_live_in_an_arena(void **state)
     free(memory);
 }
 
+/* Names of data files ask for no memory, and a head cut off anywhere gives none or those of a shorter head. */
+static void test_data_names_of_a_head_that_is_cut_off(void **state)
+{
+    static const char head[] = "NRRD0004\ntype: int16\ndimension: 3\nsizes: 2 2 93\nencoding: raw\nendian: big\n"
+                               "data file: slice.%03d.raw 1 93 1\n";
+    fault_heap heap = {0};
+    bvx_context_options const base = default_options(), o = fault_options(&base, &heap);
+    bvx_context *const ctx = context_with(&o);
+    uint64_t const before = heap.asked;
+    int good = 0;
+    (void)state;
+    for (size_t n = 0; n < sizeof head; n++)
+        for (uint64_t room = 0; room <= 14; room++) {
+            char name[16];
+            char *const copy = malloc(n + 1); /* of exact size, so that a sanitizer sees a read beyond the end */
+            uint64_t count = 777;
+            bvx_status status;
+            assert_non_null(copy);
+            memcpy(copy, head, n);
+            memset(name, 0x55, sizeof name);
+            status = bvx_volume_data_name(ctx, copy, n, 41, name, room, &count);
+            free(copy);
+            if (n == sizeof head - 1) assert_int_equal(status, room < 14 ? BVX_ERR_CAPACITY : BVX_OK);
+            if (status == BVX_OK) assert_string_equal(name, "slice.042.raw");
+            else assert_int_not_equal(strlen(bvx_last_message(ctx)), 0);
+            if (status == BVX_OK) good++;
+            for (size_t i = room; i < sizeof name; i++) assert_int_equal(name[i], 0x55);
+        }
+    assert_true(good > 0);
+    assert_int_equal(heap.asked, before);
+    bvx_context_destroy(ctx);
+    assert_null(fault_end(&heap));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -268,6 +302,7 @@ int main(void)
         cmocka_unit_test(test_volumes_cancel_at_every_progress_call),
         cmocka_unit_test(test_volumes_under_every_memory_limit),
         cmocka_unit_test(test_volumes_live_in_an_arena),
+        cmocka_unit_test(test_data_names_of_a_head_that_is_cut_off),
     };
     return cmocka_run_group_tests(tests, make_volumes, free_volumes);
 }

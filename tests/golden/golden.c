@@ -308,6 +308,8 @@ static void bare_cases(golden *g)
 #include "query_cases.h"
 #include "section_cases.h"
 #include "algebra_cases.h"
+#include "morph_cases.h"
+#include "volume_cases.h"
 
 static const struct {
     const char *file;
@@ -328,6 +330,8 @@ static const struct {
     {"pictures", picture_cases},
     {"sections", section_cases},
     {"algebra", algebra_cases},
+    {"morphology", morph_cases},
+    {"volumes", volume_cases},
 };
 
 /* ---- Files ---- */
