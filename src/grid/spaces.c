@@ -20,15 +20,16 @@ static uint64_t count_space_runs(const bvx_grid *grid, int32_t empty)
 static bvx_status join_spaces(bvx_context *ctx, bvxi_spaces *s)
 {
     const bvx_grid *const g = s->grid;
-    int32_t const step = (g->size[2] + 7) / 8;
+    int32_t const step = (g->size[2] + 7) / 8, words = g->words_per_row;
+    uint64_t const flip = s->empty ? ~UINT64_C(0) : 0, tail = bvxi_tail_mask(g->size[0]);
+    const uint64_t *from = g->words;
     for (int32_t z = 0; z < g->size[2]; z++) {
         if (z % step == 0) BVXI_TRY(bvxi_progress(ctx, s->stage, (double)z / (double)g->size[2]));
-        for (int32_t y = 0; y < g->size[1]; y++) {
-            size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)y;
-            bvxi_row_runs runs;
-            int32_t begin, end;
-            bvxi_row_runs_start(&runs, g->words + row * (size_t)g->words_per_row, g->size[0], s->empty);
-            while (bvxi_row_runs_next(&runs, &begin, &end)) bvxi_components_add(&s->parts, begin, end, y, z);
+        for (int32_t y = 0; y < g->size[1]; y++, from += words) {
+            uint64_t *const row = bvxi_components_row(&s->parts, y, z);
+            for (int32_t k = 0; k < words; k++) row[k] = from[k] ^ flip;
+            row[words - 1] &= tail;
+            bvxi_components_add(&s->parts, y, z);
         }
     }
     bvxi_components_number(&s->parts);
