@@ -70,3 +70,50 @@ void bvxi_spaces_free(bvxi_spaces *spaces)
     bvxi_components_free(&spaces->parts);
     memset(spaces, 0, sizeof *spaces);
 }
+
+/* ---- What is done with all of them ---- */
+
+typedef struct spaces_sizes {
+    const bvx_grid *grid;
+    uint64_t *voxels;
+    uint8_t *at_side;
+} spaces_sizes;
+
+static void measure_space_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
+{
+    const spaces_sizes *const s = user;
+    s->voxels[space] += (uint64_t)(end - begin);
+    if (s->at_side != NULL && bvxi_spaces_at_side(s->grid, begin, end, y, z)) s->at_side[space] = 1;
+}
+
+void bvxi_spaces_measure(const bvxi_spaces *spaces, uint64_t *voxels, uint8_t *at_side)
+{
+    spaces_sizes s = {spaces->grid, voxels, at_side};
+    bvxi_spaces_each(spaces, measure_space_run, &s);
+}
+
+typedef struct spaces_flip {
+    const bvx_grid *grid;
+    const uint8_t *marked;
+    uint64_t *words;
+} spaces_flip;
+
+static void flip_space_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
+{
+    const spaces_flip *const f = user;
+    uint64_t *const row = f->words + ((size_t)z * (size_t)f->grid->size[1] + (size_t)y) * (size_t)f->grid->words_per_row;
+    if (!f->marked[space]) return;
+    for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
+}
+
+void bvxi_spaces_flip(const bvxi_spaces *spaces, const uint8_t *marked, uint64_t *words)
+{
+    spaces_flip f = {spaces->grid, marked, words};
+    bvxi_spaces_each(spaces, flip_space_run, &f);
+}
+
+bvx_status bvxi_check_connectivity(bvx_context *ctx, const char *function, int32_t connectivity)
+{
+    if (connectivity == BVXI_CONNECT_6 || connectivity == BVXI_CONNECT_18 || connectivity == BVXI_CONNECT_26) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: connectivity is %d, not 6, 18 or 26", function, (int64_t)connectivity);
+}
