@@ -857,6 +857,51 @@ struct bvx_extract_options;
 BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                       const struct bvx_extract_options *options, bvx_mesh *mesh);
 
+/* ---- Points ------------------------------------------------------------------------------------------------- */
+
+/** A lattice around a cloud of points, as bvx_lattice_fit_with makes it around a mesh: all vertices of the view count, triangles
+ *  are not looked at. Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no point; one place alone and no spacing), BVX_ERR_RANGE.
+ *  Memory: none. Cost: O(points). */
+BVX_API bvx_status bvx_lattice_fit_points(bvx_context *context, const struct bvx_mesh_view *points, const bvx_lattice_options *options,
+                                          bvx_lattice *lattice);
+
+/** Counts of one call, for its window. */
+typedef struct bvx_points_report {
+    uint64_t inside, outside; /**< points in the window, and beyond it */
+    uint64_t occupied;        /**< voxels that hold enough points */
+    uint64_t closed;          /**< voxels that closing gaps added */
+    uint64_t filled;          /**< voxels that the flood did not reach behind them: 0 when gaps let it in everywhere */
+    uint64_t reserved[3];
+} bvx_points_report;
+
+typedef struct bvx_points_options {
+    size_t struct_size;
+    int32_t minimum;           /**< points that a voxel needs to be set [Limit: 1..2^31-1] [Default: 1] */
+    int32_t body;              /**< 1: what a flood from the lattice's sides cannot reach, through faces of voxels, is set too; the
+                                    whole lattice only [Default: 0] */
+    int32_t close_gaps;        /**< body: gaps of up to this many voxels between set ones are closed before the flood, which is to
+                                    say: what a cube of close_gaps + 1 voxels a side cannot reach is set [Units: voxels]
+                                    [Limit: 0..65535] [Default: 0] */
+    int32_t reserved;
+    bvx_window window;         /**< [Default: all zero, the whole lattice] */
+    bvx_points_report *report; /**< receives counts when not NULL [Default: NULL] */
+} bvx_points_options;
+
+BVX_API void bvx_points_options_init(bvx_points_options *options, size_t size);
+
+/** Set the voxels that hold points of a cloud: the vertices of a view, whose triangles are not looked at.
+ *
+ *  Points are snapped to the lattice's fixed point as the vertices of meshes are, and belong to one voxel each: boxes are
+ *  half-open, but at the lattice's high sides, where they are closed, so that a lattice around a cloud holds all of it.
+ *
+ *  Returns BVX_ERR_ARGUMENT (also a window with body), BVX_ERR_EMPTY (no points), BVX_ERR_RANGE (a point that is not finite, with its
+ *  number), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ *  Memory: the grid; one more for each binary digit of minimum - 1; body: what bvx_grid_fill_cavities needs; closing gaps: a grid of
+ *  close_gaps more voxels a side. Cost: O(points + words); body: as bvx_grid_fill_cavities, and O(words * log gap). Local but
+ *  for body: a window holds the bits of the whole there. */
+BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice *lattice,
+                                       const bvx_points_options *options, bvx_grid *grid);
+
 /* ---- Components -------------------------------------------------------------------------------------------- */
 
 /** A connected part of a grid's set voxels; its number is its place in the list. All in voxels of the grid's window. */
@@ -1462,7 +1507,8 @@ enum {
     BVX_FORMAT_PNG = 5, BVX_FORMAT_OFF = 6, BVX_FORMAT_GLB = 7, BVX_FORMAT_BINVOX = 8, BVX_FORMAT_VOX = 9,
     BVX_FORMAT_NRRD = 10, BVX_FORMAT_VTI = 11, BVX_FORMAT_BVX = 12,
     BVX_FORMAT_VTU = 13,
-    BVX_FORMAT_CSL = 20, BVX_FORMAT_CSV = 21, BVX_FORMAT_SVG = 22
+    BVX_FORMAT_CSL = 20, BVX_FORMAT_CSV = 21, BVX_FORMAT_SVG = 22,
+    BVX_FORMAT_XYZ = 15
 };
 
 /** Bytes made by the library; freed by bvx_buffer_free. */
@@ -1495,6 +1541,17 @@ BVX_API int32_t bvx_format_of_name(const char *name);
  */
 BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                  bvx_mesh *mesh);
+
+/** Read a cloud of points: the vertices of points, which has no triangles.
+ *
+ * BVX_FORMAT_XYZ  text, a point a line: x y z and further columns, which are left out; spaces, tabs, commas or semicolons between
+ *                 them; lines that begin with #, // or % are comments; a first line of names, or of one number (a count), is passed
+ *                 over; positions f64
+ * BVX_FORMAT_PLY  the element vertex, as bvx_read_mesh reads it; faces are left out
+ *
+ * Returns BVX_ERR_FORMAT (line or byte, and why), BVX_ERR_RANGE (a point that is not finite), BVX_ERR_EMPTY (no point),
+ * BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the points. Cost: O(bytes). */
+BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *points);
 
 /** Write a mesh. The frame is added. file is zeroed.
  *  STL and PLY: binary, little-endian; OBJ and OFF: text that reads back to the same numbers. PLY, OBJ (without alpha) and

@@ -21,7 +21,8 @@ int32_t bvx_format_of_name(const char *name)
     } known[] = {{".stl", BVX_FORMAT_STL}, {".obj", BVX_FORMAT_OBJ}, {".ply", BVX_FORMAT_PLY}, {".npy", BVX_FORMAT_NPY},
                  {".png", BVX_FORMAT_PNG}, {".off", BVX_FORMAT_OFF}, {".glb", BVX_FORMAT_GLB}, {".binvox", BVX_FORMAT_BINVOX},
                  {".vox", BVX_FORMAT_VOX}, {".nrrd", BVX_FORMAT_NRRD}, {".vti", BVX_FORMAT_VTI}, {".bvx", BVX_FORMAT_BVX},
-                 {".vtu", BVX_FORMAT_VTU}, {".csl", BVX_FORMAT_CSL}, {".csv", BVX_FORMAT_CSV}, {".svg", BVX_FORMAT_SVG}};
+                 {".vtu", BVX_FORMAT_VTU}, {".csl", BVX_FORMAT_CSL}, {".csv", BVX_FORMAT_CSV}, {".svg", BVX_FORMAT_SVG},
+                 {".xyz", BVX_FORMAT_XYZ}};
     size_t n;
     if (name == NULL) return BVX_FORMAT_UNKNOWN;
     n = bvxi_text_length(name);
