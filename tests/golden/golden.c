@@ -306,6 +306,7 @@ static void bare_cases(golden *g)
 #include "voxel_cases.h"
 #include "field_cases.h"
 #include "query_cases.h"
+#include "component_cases.h"
 
 static const struct {
     const char *file;
@@ -324,6 +325,8 @@ static const struct {
     {"tree_questions", tree_question_cases},
     {"files", file_cases},
     {"pictures", picture_cases},
+    {"components", component_cases},
+    {"clouds", cloud_cases},
 };
 
 /* ---- Files ---- */
