@@ -869,18 +869,18 @@ BVX_API bvx_status bvx_lattice_fit_points(bvx_context *context, const struct bvx
 typedef struct bvx_points_report {
     uint64_t inside, outside; /**< points in the window, and beyond it */
     uint64_t occupied;        /**< voxels that hold enough points */
-    uint64_t closed;          /**< voxels that closing gaps added */
-    uint64_t filled;          /**< voxels that the flood did not reach behind them: 0 when gaps let it in everywhere */
+    uint64_t filled;          /**< body: voxels that it has beside them */
+    uint64_t pockets;         /**< body: places that the flood could not get into: 0 when gaps let it in everywhere */
     uint64_t reserved[3];
 } bvx_points_report;
 
 typedef struct bvx_points_options {
     size_t struct_size;
     int32_t minimum;           /**< points that a voxel needs to be set [Limit: 1..2^31-1] [Default: 1] */
-    int32_t body;              /**< 1: what a flood from the lattice's sides cannot reach, through faces of voxels, is set too; the
-                                    whole lattice only [Default: 0] */
-    int32_t close_gaps;        /**< body: gaps of up to this many voxels between set ones are closed before the flood, which is to
-                                    say: what a cube of close_gaps + 1 voxels a side cannot reach is set [Units: voxels]
+    int32_t body;              /**< 1: what a flood from outside cannot reach through faces of voxels is set too; the whole lattice
+                                    only [Default: 0] */
+    int32_t close_gaps;        /**< body: gaps of up to this many voxels hold the flood, which is to say: it moves as a cube of
+                                    close_gaps + 1 voxels a side, and all that this cube reaches is outside [Units: voxels]
                                     [Limit: 0..65535] [Default: 0] */
     int32_t reserved;
     bvx_window window;         /**< [Default: all zero, the whole lattice] */
@@ -896,8 +896,8 @@ BVX_API void bvx_points_options_init(bvx_points_options *options, size_t size);
  *
  *  Returns BVX_ERR_ARGUMENT (also a window with body), BVX_ERR_EMPTY (no points), BVX_ERR_RANGE (a point that is not finite, with its
  *  number), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
- *  Memory: the grid; one more for each binary digit of minimum - 1; body: what bvx_grid_fill_cavities needs; closing gaps: a grid of
- *  close_gaps more voxels a side. Cost: O(points + words); body: as bvx_grid_fill_cavities, and O(words * log gap). Local but
+ *  Memory: the grid; one more for each binary digit of minimum - 1; body: a grid of close_gaps more voxels a side, and what
+ *  bvx_grid_fill_cavities needs for that. Cost: O(points + words); body: as bvx_grid_fill_cavities, and O(words * log gap). Local but
  *  for body: a window holds the bits of the whole there. */
 BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice *lattice,
                                        const bvx_points_options *options, bvx_grid *grid);

@@ -46,10 +46,10 @@ static const char *const caps_names[] = {"flat", "taper", "open", NULL};
 static const char *const crossings_names[] = {"exact", "paper", "classic", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
 /* By BVX_FORMAT_...; those that are only written have no name here. */
-static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", NULL};
+static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", "", "", "xyz", NULL};
 
 static const cli_argument arguments[] = {
-    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR, output,
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_COMPONENTS, output,
               "where the result goes; the ending tells the format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis [8 x the finest level, less where memory is short]"),
@@ -94,7 +94,9 @@ static const cli_argument arguments[] = {
            "surface parts is inside or outside as a whole; below: all under a terrain;\n"
            "winding: more than half a turn, for holes in overlapping parts [parity]"),
     WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES, close_gaps, 0, 65535,
-          "with --fill flood: gaps of up to N voxels hold the flood [0]"),
+          "with --fill flood, or --body: gaps of up to N voxels hold the flood [0]"),
+    WHOLE("--minimum", "N", CLI_VOXELIZE, minimum, 1, 2147483647.0, "of a cloud: points that a voxel needs to be set [1]"),
+    FLAG("--body", CLI_VOXELIZE, body, "of a cloud: set what a flood from outside cannot reach too"),
     FLAG("--add-shell", CLI_VOXELIZE | CLI_FILL, add_shell, "set all voxels of the surface too"),
     FLAG("--check-edges", CLI_VOXELIZE, check_edges, "count edges with one triangle, and those between flipped ones"),
     FLAG("--compare-fills", CLI_VOXELIZE, compare_fills, "a table of what each rule would set, and where they differ"),
@@ -148,7 +150,13 @@ static const cli_argument arguments[] = {
     LIST("--seed", "X,Y,Z", CLI_FILL, seeds, 0, LARGEST_SIDE, 3, 63,
          "empty voxels to fill from, counted from the grid's first one, three\nnumbers each [one in every pocket]"),
     FILE_NAME("--mesh", "MESH", CLI_FILL, mesh, "the mesh behind the surface: pockets outside of it stay empty"),
-    CHOICE("--connectivity", "N", CLI_FILL, connectivity, connectivity_names, 0, "6: through faces; 18: and edges; 26: and corners [6]"),
+    LIST("--seed", "X,Y,Z", CLI_COMPONENTS, seeds, 0, LARGEST_SIDE, 3, 63,
+         "keep parts that hold one of these voxels, counted from the grid's\nfirst one, three numbers each [all]"),
+    LONG("--keep-largest", "N", CLI_COMPONENTS, keep_largest, 1, 1e15, "keep so many of the largest parts, of those that other rules leave [all]"),
+    LONG("--at-least", "N", CLI_COMPONENTS, at_least, 0, 1e15, "keep parts of so many voxels or more [0]"),
+    FLAG("--fill-cavities", CLI_COMPONENTS, fill_cavities, "fill the empty parts that are closed in through faces"),
+    FILE_NAME("--labels", "FILE", CLI_COMPONENTS, labels, "also write the parts' numbers: .npy, u32"),
+    CHOICE("--connectivity", "N", CLI_FILL | CLI_COMPONENTS, connectivity, connectivity_names, 0, "6: through faces; 18: and edges; 26: and corners [6]"),
     LONG("--seed", "N", CLI_COMPARE, seed, 0, 4294967295.0, "another seed, other points [1]"),
     SIZE("--size", "WxH", CLI_RENDER, size, 16384, "pixels of a picture [1024x768; 640x480 each for several meshes]"),
     TRIPLE("--from", "X,Y,Z", CLI_RENDER, from, "direction from the model to the eye [3,-4,2]"),

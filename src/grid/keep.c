@@ -24,11 +24,6 @@ static bvx_status open_keep_result(bvx_context *ctx, const char *function, const
     return bvxi_grid_open(ctx, function, &grid->lattice, &window, result);
 }
 
-static void copy_kept_words(const bvx_grid *grid, bvx_grid *result)
-{
-    if (result->words != grid->words) memcpy(result->words, grid->words, (size_t)bvxi_grid_words(grid) * 8);
-}
-
 /* What is judged: spaces with their sizes; marks: 1 for what goes. */
 typedef struct keep_work {
     bvx_context *ctx;
@@ -158,7 +153,7 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
         drop_small_parts(&w, o->at_least);
         if (o->largest != 0) drop_all_but_largest(&w, o->largest);
         if (o->report != NULL) report_kept(&w, o->report);
-        copy_kept_words(grid, made);
+        if (made->words != grid->words) memcpy(made->words, grid->words, (size_t)bytes);
         bvxi_spaces_flip(&w.spaces, w.marks, made->words);
     }
     bvxi_free(ctx, seeds.words, bytes);
@@ -184,20 +179,22 @@ bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_k
     return status;
 }
 
-static bvx_status fill_cavities(bvx_context *ctx, const bvx_grid *grid, int32_t connectivity, uint64_t at_most, bvx_grid *made,
-                                uint64_t *filled)
+bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t connectivity, uint64_t at_most,
+                             uint64_t *words, uint64_t *voxels, uint64_t *pockets)
 {
-    uint64_t voxels = 0;
+    uint64_t set = 0, count = 0;
     keep_work w;
-    BVXI_TRY(open_keep_work(ctx, cavities_name, grid, 1, connectivity, &w));
+    BVXI_TRY(open_keep_work(ctx, function, grid, 1, connectivity, &w));
     for (uint64_t i = 0; i < w.spaces.count; i++) {
         w.marks[i] = !w.at_side[i] && (at_most == 0 || w.voxels[i] <= at_most);
-        voxels += w.marks[i] ? w.voxels[i] : 0;
+        set += w.marks[i] ? w.voxels[i] : 0;
+        count += w.marks[i];
     }
-    copy_kept_words(grid, made);
-    bvxi_spaces_flip(&w.spaces, w.marks, made->words);
+    if (words != grid->words) memcpy(words, grid->words, (size_t)bvxi_grid_words(grid) * 8);
+    bvxi_spaces_flip(&w.spaces, w.marks, words);
     close_keep_work(&w);
-    if (filled != NULL) *filled = voxels;
+    if (voxels != NULL) *voxels = set;
+    if (pockets != NULL) *pockets = count;
     return BVX_OK;
 }
 
@@ -212,7 +209,7 @@ bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, in
     BVXI_TRY(bvxi_check_connectivity(context, cavities_name, connectivity));
     made = *result;
     BVXI_TRY(open_keep_result(context, cavities_name, grid, &made));
-    status = fill_cavities(context, grid, connectivity, at_most, &made, filled);
+    status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, filled, NULL);
     if (status == BVX_OK) *result = made;
     else if (result->words == NULL) bvx_grid_free(context, &made);
     return status;

@@ -1,8 +1,8 @@
 /* points.c - the voxels that hold points of a cloud, and the body behind them: bvx_voxelize_points.
  *
  * Points are snapped as vertices are (snap.h), and a shift gives the voxel. Where a voxel needs several points it has a counter in
- * planes of bits that begins so that the last one needed runs over: no lists, no sorting. The body is what a flood cannot reach
- * once gaps are closed (close_gaps.c, grid/keep.c).
+ * planes of bits that begins so that the last one needed runs over: no lists, no sorting. The body is what a cube
+ * that comes from outside cannot reach (close_gaps.c).
  * Guarantee: exact; the order of points plays no part. */
 #include "voxelize/fills.h"
 #include "voxelize/snap.h"
@@ -99,12 +99,10 @@ static bvx_status take_points(bvx_context *ctx, points_work *w)
 static bvx_status make_points_body(bvx_context *ctx, int32_t close_gaps, points_work *w)
 {
     uint64_t set = 0;
-    if (close_gaps > 0) {
-        BVXI_TRY(bvxi_close_gaps(ctx, w->grid, close_gaps));
-        BVXI_TRY(bvx_grid_count(ctx, w->grid, &set));
-        w->report.closed = set - w->report.occupied;
-    }
-    return bvx_grid_fill_cavities(ctx, w->grid, 6, 0, w->grid, &w->report.filled);
+    BVXI_TRY(bvxi_close_body(ctx, points_name, w->grid, close_gaps, &w->report.pockets));
+    BVXI_TRY(bvx_grid_count(ctx, w->grid, &set));
+    w->report.filled = set - w->report.occupied;
+    return BVX_OK;
 }
 
 /* ---- The call ---- */
