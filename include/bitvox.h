@@ -435,7 +435,8 @@ typedef struct bvx_grid_difference {
 } bvx_grid_difference;
 
 /** Compare two grids. Returns BVX_ERR_ARGUMENT, BVX_ERR_LATTICE (their lattices or windows differ, and in which field),
- *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: 20 bytes a run of differing voxels. Cost: O(words + runs). */
+ *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: 12 bytes a run of differing voxels and 24 for each word of a slice.
+ *  Cost: O(words + runs). */
 BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
                                     bvx_grid_difference *difference);
 
@@ -536,7 +537,7 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  * filled from lists (nonzero, or where rows do not balance): 8 bytes a row and 4 a crossing of theirs. VOTE: two more
  * grids. WINDING, and VOTE where there are holes: 16 bytes a vertex (30 where triangles share none), then about 200 an open edge, 8
  * a row and 170 KiB a worker; WINDING also as nonzero. REGIONS, FLOOD: that, and what
- * bvx_voxelize_surface needs, its grid, 4 bytes a run of empty voxels and 16 for those of a slice and two rows; FLOOD: one
+ * bvx_voxelize_surface needs, its grid, 4 bytes a run of empty voxels and 24 for each word of a slice; FLOOD: one
  * more grid, 8 bytes a voxel of the surface that votes outside where there are cavities; closing gaps: a grid of close_gaps more
  * voxels a side. BELOW: one more grid unless axis is 0, 4 bytes a column and mesh, a second mesh's
  * vertices and buffers. check_edges: as bvx_mesh_check.
@@ -623,7 +624,7 @@ BVX_API bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, 
  *  order z, y, x. With a mesh a pocket counts when the rule vote has that voxel inside; without one (NULL) when it does not
  *  touch the window's sides. seeds x y z each, of the surface's window [Size: capacity * 3]; NULL: count only.
  *  Returns BVX_ERR_CAPACITY (count is then what there are), and as bvx_find_seed. Memory: 4 bytes a run of empty voxels and
- *  16 for those of a slice and two rows; with a mesh also the vote's, and a grid. */
+ *  24 for each word of a slice; with a mesh also the vote's, and a grid. */
 BVX_API bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh, int32_t *seeds,
                                     uint64_t capacity, uint64_t *count);
 
@@ -631,8 +632,8 @@ BVX_API bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surfac
  *  faces and edges (18), or corners too (26). Set voxels of the grid are walls and stay out of the result.
  *  seeds x y z each, of the grid's window, none on a set voxel [Size: seed_count * 3].
  *  Returns BVX_ERR_ARGUMENT (a seed on a set voxel or outside the window, with its number), BVX_ERR_RANGE, BVX_ERR_CAPACITY,
- *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the result, 4 bytes a run of empty voxels and 16 for those of a slice
- *  and two rows. Cost: O(words + runs). */
+ *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the result, 4 bytes a run of empty voxels and 24 for each word of a
+ *  slice. Cost: O(words + runs). */
 BVX_API bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds, uint64_t seed_count,
                                  int32_t connectivity, bvx_grid *filled);
 
@@ -1095,6 +1096,138 @@ struct bvx_extract_options;
  */
 BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                       const struct bvx_extract_options *options, bvx_mesh *mesh);
+
+/* ---- Points ------------------------------------------------------------------------------------------------- */
+
+/** A lattice around a cloud of points, as bvx_lattice_fit_with makes it around a mesh: all vertices of the view count, triangles
+ *  are not looked at. Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no point; one place alone and no spacing), BVX_ERR_RANGE.
+ *  Memory: none. Cost: O(points). */
+BVX_API bvx_status bvx_lattice_fit_points(bvx_context *context, const struct bvx_mesh_view *points, const bvx_lattice_options *options,
+                                          bvx_lattice *lattice);
+
+/** Counts of one call, for its window. */
+typedef struct bvx_points_report {
+    uint64_t inside, outside; /**< points in the window, and beyond it */
+    uint64_t occupied;        /**< voxels that hold enough points */
+    uint64_t filled;          /**< body: voxels that it has beside them */
+    uint64_t pockets;         /**< body: places that the flood could not get into: 0 when gaps let it in everywhere */
+    uint64_t reserved[3];
+} bvx_points_report;
+
+typedef struct bvx_points_options {
+    size_t struct_size;
+    int32_t minimum;           /**< points that a voxel needs to be set [Limit: 1..2^31-1] [Default: 1] */
+    int32_t body;              /**< 1: what a flood from outside cannot reach through faces of voxels is set too; the whole lattice
+                                    only [Default: 0] */
+    int32_t close_gaps;        /**< body: gaps of up to this many voxels hold the flood, which is to say: it moves as a cube of
+                                    close_gaps + 1 voxels a side, and all that this cube reaches is outside [Units: voxels]
+                                    [Limit: 0..65535] [Default: 0] */
+    int32_t reserved;
+    bvx_window window;         /**< [Default: all zero, the whole lattice] */
+    bvx_points_report *report; /**< receives counts when not NULL [Default: NULL] */
+} bvx_points_options;
+
+BVX_API void bvx_points_options_init(bvx_points_options *options, size_t size);
+
+/** Set the voxels that hold points of a cloud: the vertices of a view, whose triangles are not looked at.
+ *
+ *  Points are snapped to the lattice's fixed point as the vertices of meshes are, and belong to one voxel each: boxes are
+ *  half-open, but at the lattice's high sides, where they are closed, so that a lattice around a cloud holds all of it.
+ *
+ *  Returns BVX_ERR_ARGUMENT (also a window with body), BVX_ERR_EMPTY (no points), BVX_ERR_RANGE (a point that is not finite, with its
+ *  number), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
+ *  Memory: the grid; one more for each binary digit of minimum - 1; body: a grid of close_gaps more voxels a side, and what
+ *  bvx_grid_fill_cavities needs for that. Cost: O(points + words); body: as bvx_grid_fill_cavities, and O(words * log gap). Local but
+ *  for body: a window holds the bits of the whole there. */
+BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice *lattice,
+                                       const bvx_points_options *options, bvx_grid *grid);
+
+/* ---- Components -------------------------------------------------------------------------------------------- */
+
+/** A connected part of a grid's set voxels; its number is its place in the list. All in voxels of the grid's window. */
+typedef struct bvx_component {
+    uint64_t first;   /**< its least voxel: x + size[0] * (y + size[1] * z) */
+    uint64_t voxels;  /**< how many it has */
+    int32_t low[3];   /**< box of its voxels: the least index along each axis [Units: voxels] */
+    int32_t size[3];  /**< and how many voxels it spans [Units: voxels] */
+    uint64_t reserved;
+} bvx_component;
+
+/**
+ * The connected parts of a grid, in the order of their least voxels (z, y, x).
+ *
+ * connectivity  6: across faces; 18: and edges; 26: and corners
+ * parts         out, or NULL: only count them [Size: capacity]
+ * count         out: how many there are, also when capacity is too small
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY, BVX_ERR_RANGE (2^32 - 1 runs of voxels along x or more), BVX_ERR_MEMORY,
+ * BVX_ERR_BUDGET, BVX_CANCELLED. Memory: 4 bytes a run and 24 for each word of a slice. Cost: O(words + runs). Global: parts
+ * of a window are those of the voxels in it.
+ * Source: Rosenfeld, Pfaltz 1966, on runs, with pairs of touching runs found 64 voxels at a time.
+ */
+BVX_API bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity, bvx_component *parts,
+                                       uint64_t capacity, uint64_t *count);
+
+/** Number the voxels of a window by their part, x fastest: 0 for empty ones, 1 for the part with the least voxel, and so on in the
+ *  order of bvx_grid_components. labels [Size: capacity, size[0] * size[1] * size[2] at least]; count: how many parts (may be
+ *  NULL). Returns what bvx_grid_components returns. Memory: its. Cost: O(voxels). */
+BVX_API bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint32_t *labels,
+                                  uint64_t capacity, uint64_t *count);
+
+typedef struct bvx_keep_report {
+    uint64_t kept, dropped;               /**< parts */
+    uint64_t voxels_kept, voxels_dropped;
+    uint64_t reserved[4];
+} bvx_keep_report;
+
+typedef struct bvx_keep_options {
+    size_t struct_size;
+    int32_t connectivity;    /**< 6, 18 or 26 [Default: 6] */
+    int32_t reserved;
+    uint64_t at_least;       /**< parts of fewer voxels are dropped [Default: 0, none is] */
+    const int32_t *seeds;    /**< voxels of the window, x y z each; parts that hold none of them are dropped (a seed on an empty
+                                  voxel says nothing) [Size: seed_count * 3] [Default: NULL] */
+    uint64_t seed_count;     /**< [Default: 0, seeds are not looked at] */
+    uint64_t largest;        /**< of what is left then, so many of the largest are kept, of equal ones those with the lesser first
+                                  voxel [Default: 0, all] */
+    bvx_keep_report *report; /**< receives counts when not NULL [Default: NULL] */
+} bvx_keep_options;
+
+BVX_API void bvx_keep_options_init(bvx_keep_options *options, size_t size);
+
+/** Keep some of a grid's parts. result: zeroed, or with words of the caller's, or the grid itself.
+ *  Returns BVX_ERR_ARGUMENT (also a seed outside the window, with its number), BVX_ERR_CAPACITY, BVX_ERR_RANGE, BVX_ERR_MEMORY,
+ *  BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the result, that of bvx_grid_components, and 9 bytes a part. Cost: O(words + runs). */
+BVX_API bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options, bvx_grid *result);
+
+/** Fill the cavities of a grid: parts of its empty voxels that do not touch a side of its window.
+ *  connectivity  6, 18 or 26, of the empty voxels: with 6 a cavity ends where only edges or corners lead on
+ *  at_most       larger cavities stay [Units: voxels] [Default: 0, all are filled]
+ *  result        zeroed, or with words of the caller's, or the grid itself
+ *  filled        voxels that were set; may be NULL
+ *  Returns what bvx_grid_keep returns. Memory: the result, 4 bytes a run of empty voxels, 24 for each word of a slice, and 10 a
+ *  part of the empty voxels. Cost: O(words + runs). */
+BVX_API bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint64_t at_most,
+                                          bvx_grid *result, uint64_t *filled);
+
+/** What kind of body a grid's set voxels are, when all beyond its window is empty. */
+typedef struct bvx_topology {
+    uint64_t voxels;
+    uint64_t components; /**< connected parts */
+    uint64_t cavities;   /**< connected parts of the empty voxels that do not lead out of the window */
+    int64_t tunnels;     /**< components + cavities - euler: 1 for a ring, 0 for a ball and for a hollow one */
+    int64_t euler;       /**< vertices - edges + faces - voxels of the body; 1 for a ball, 2 for a hollow one, 0 for a ring */
+    uint64_t reserved[4];
+} bvx_topology;
+
+/** Count parts, cavities and tunnels.
+ *  connectivity  of the set voxels: 26, bodies are closed boxes, and the empty voxels connect across faces alone; or 6, set
+ *                voxels connect across faces alone, and the empty ones across edges and corners too
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: that of bvx_grid_components,
+ *  for set and for empty voxels, and a byte a part of the empty ones. Cost: O(words + runs).
+ *  Source: the Euler number of cells, summed over rows: runs(a) - runs(a & b) - runs(a & c) + runs(a & b & c & d) for a row and
+ *  its three neighbours up in y and z; OR in place of AND for 26. Gray. Local Properties of Binary Images in Two Dimensions. 1971. */
+BVX_API bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid, int32_t connectivity, bvx_topology *topology);
 
 /* ---- Surface extraction ------------------------------------------------------------------------------------ */
 
@@ -1835,7 +1968,7 @@ enum {
     BVX_FORMAT_UNKNOWN = 0, BVX_FORMAT_STL = 1, BVX_FORMAT_OBJ = 2, BVX_FORMAT_PLY = 3, BVX_FORMAT_NPY = 4,
     BVX_FORMAT_PNG = 5, BVX_FORMAT_OFF = 6, BVX_FORMAT_GLB = 7, BVX_FORMAT_BINVOX = 8, BVX_FORMAT_VOX = 9,
     BVX_FORMAT_NRRD = 10, BVX_FORMAT_VTI = 11, BVX_FORMAT_BVX = 12,
-    BVX_FORMAT_VTU = 13, BVX_FORMAT_RAW = 14,
+    BVX_FORMAT_VTU = 13, BVX_FORMAT_RAW = 14, BVX_FORMAT_XYZ = 15,
     BVX_FORMAT_CSL = 20, BVX_FORMAT_CSV = 21, BVX_FORMAT_SVG = 22
 };
 
@@ -1869,6 +2002,17 @@ BVX_API int32_t bvx_format_of_name(const char *name);
  */
 BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                  bvx_mesh *mesh);
+
+/** Read a cloud of points: the vertices of points, which has no triangles.
+ *
+ * BVX_FORMAT_XYZ  text, a point a line: x y z and further columns, which are left out; spaces, tabs, commas or semicolons between
+ *                 them; lines that begin with #, // or % are comments; a first line of names, or of one number (a count), is passed
+ *                 over; positions f64
+ * BVX_FORMAT_PLY  the element vertex, as bvx_read_mesh reads it; faces are left out
+ *
+ * Returns BVX_ERR_FORMAT (line or byte, and why), BVX_ERR_RANGE (a point that is not finite), BVX_ERR_EMPTY (no point),
+ * BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the points. Cost: O(bytes). */
+BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *points);
 
 /** Write a mesh. The frame is added. file is zeroed.
  *  STL and PLY: binary, little-endian; OBJ and OFF: text that reads back to the same numbers. PLY, OBJ (without alpha) and

@@ -136,7 +136,7 @@ static int check_line(cli_run *run)
         return cli_usage(run, "standard input has no name that tells the format; say it with --format");
     if (standard == 0 && o->format != 0)
         return cli_usage(run, "--format is for standard input, '-'; names of files tell theirs");
-    if (o->output == NULL && find_argument("-o", 2, run->command->bit) >= 0)
+    if (o->output == NULL && run->command->bit != CLI_COMPONENTS && find_argument("-o", 2, run->command->bit) >= 0)
         return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
     if (o->output != NULL && strcmp(o->output, "-") == 0)
         return cli_usage(run, "standard output has no name that tells the format; give a file");

@@ -35,6 +35,7 @@ enum {
     CLI_REPAIR = 1 << 9,
     CLI_BOOLEAN = 1 << 10,
     CLI_MORPH = 1 << 16,
+    CLI_COMPONENTS = 1 << 19,
     CLI_ALL = 0x7fffffff
 };
 
@@ -130,6 +131,10 @@ typedef struct cli_options {
     double shell;               /* thickness in voxels */
     int64_t least_part, least_cavity;
     double half_width;          /* of a field's band; 0: no end */
+    int64_t keep_largest, at_least; /* components */
+    int32_t fill_cavities;
+    const char *labels;             /* the file of their numbers */
+    int32_t minimum, body;          /* clouds of points */
     int32_t vectors, value_type; /* value_type: BVX_F32, BVX_F64 */
     int32_t neighbourhood, steps, beyond, side, drain_side; /* morph: by the places among their names */
     double radius, thickness, drain;
@@ -292,6 +297,8 @@ int32_t cli_input_format(const cli_run *run, const char *path);
 const char *cli_input_name(const char *path);
 /* Read a mesh from a file; creates run->context when there is none. */
 int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
+/* The same, or a cloud of points: .xyz, or .ply without faces. */
+int cli_read_mesh_or_cloud(cli_run *run, const char *path, bvx_mesh *mesh, int *cloud);
 
 /* ---- inputs.c: any input by its ending ---- */
 
@@ -369,8 +376,9 @@ void cli_mesh_box(const bvx_mesh *mesh, cli_box *box);
 void cli_join_boxes(cli_box *box, const cli_box *other);
 /* A view of a box's two corners: what is fitted to it is fitted to the box. */
 void cli_box_view(const cli_box *box, bvx_mesh_view *view);
-/* A lattice by the options. */
+/* A lattice by the options, around a mesh or around a cloud of points. */
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
+bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
 
 /* ---- solids.c: the rules that fill a mesh ---- */
 
@@ -387,6 +395,13 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
 void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
 void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
+
+/* ---- clouds.c: voxels of a cloud of points ---- */
+
+/* Refuse the options of clouds for meshes, and those of meshes for clouds. */
+int cli_check_cloud(cli_run *run, int cloud);
+/* A grid of the window from the options, on the report's lattice; told, written and warned of. */
+int cli_voxelize_cloud(cli_run *run, const bvx_mesh_view *points, const bvx_window *window);
 
 /* ---- fill_table.c: --compare-fills ---- */
 
@@ -568,7 +583,7 @@ const cli_command *cli_command_at(int i);
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
 extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill,
-    cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph;
+    cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph, cli_components;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);

@@ -12,6 +12,7 @@ typedef struct voxel_job {
     bvx_mesh_view fitted;   /* what the lattice is fitted to */
     bvx_window window;
     bvx_grid grid;
+    int cloud;              /* 1: mesh holds points alone */
 } voxel_job;
 
 /* ---- what is asked for ---- */
@@ -51,8 +52,10 @@ static int check_volume(cli_run *run, bvx_window *window)
 
 static int check_voxelize_options(cli_run *run, bvx_window *window)
 {
-    int kind, status = cli_input_kind(run, run->options.input[0], &kind);
-    if (status == CLI_DONE && kind == CLI_GRID && cli_is_volume(run, run->options.input[0])) return check_volume(run, window);
+    const char *const input = run->options.input[0];
+    int const cloud = cli_input_format(run, input) == BVX_FORMAT_XYZ;
+    int kind = 0, status = cloud ? CLI_DONE : cli_input_kind(run, input, &kind);
+    if (status == CLI_DONE && kind == CLI_GRID && cli_is_volume(run, input)) return check_volume(run, window);
     if (status == CLI_DONE) status = cli_check_grid_name(run, run->options.output);
     if (status == CLI_DONE) status = cli_check_lattice(run);
     if (status == CLI_DONE) status = check_mode(run);
@@ -60,9 +63,10 @@ static int check_voxelize_options(cli_run *run, bvx_window *window)
     if (status == CLI_DONE) status = cli_check_fill(run);
     if (status == CLI_DONE) status = check_second(run);
     if (status == CLI_DONE) status = cli_window_option(run, window);
+    if (status == CLI_DONE && cloud) return cli_check_cloud(run, 1);
     if (status == CLI_DONE && kind == CLI_GRID)
         return cli_usage(run, "%s is a grid already: 'bitvox convert' writes it in another format; --level, --range or --label choose "
-                         "voxels of a volume", cli_input_name(run->options.input[0]));
+                         "voxels of a volume", cli_input_name(input));
     return status;
 }
 
@@ -184,7 +188,8 @@ static int voxelize_mesh(cli_run *run, voxel_job *job)
 static int read_meshes(cli_run *run, voxel_job *job)
 {
     const cli_options *const o = &run->options;
-    int status = cli_read_mesh(run, o->input[0], &job->mesh);
+    int status = cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud);
+    if (status == CLI_DONE) status = cli_check_cloud(run, job->cloud);
     if (status == CLI_DONE && o->second != NULL) status = cli_read_mesh(run, o->second, &job->second);
     if (status != CLI_DONE) return status;
     bvx_mesh_view_of(&job->mesh, &job->view);
@@ -201,7 +206,7 @@ static int run_voxelize(cli_run *run)
     if (status == CLI_DONE && cli_is_volume(run, run->options.input[0])) return cli_voxelize_volume(run, &job.window);
     if (status == CLI_DONE) status = cli_open_grid_output(run, run->options.output);
     if (status == CLI_DONE) status = read_meshes(run, &job);
-    if (status == CLI_DONE) status = voxelize_mesh(run, &job);
+    if (status == CLI_DONE) status = job.cloud ? cli_voxelize_cloud(run, &job.view, &job.window) : voxelize_mesh(run, &job);
     bvx_grid_free(run->context, &job.grid);
     bvx_mesh_free(run->context, &job.second);
     bvx_mesh_free(run->context, &job.mesh);
@@ -209,7 +214,7 @@ static int run_voxelize(cli_run *run)
 }
 
 const cli_command cli_voxelize = {
-    "voxelize", CLI_VOXELIZE, 1, 1, "IN -o OUT [options]", "a mesh or a volume as a grid of voxels",
+    "voxelize", CLI_VOXELIZE, 1, 1, "IN -o OUT [options]", "a mesh, a cloud of points or a volume as a grid of voxels",
     "Reads a mesh (.stl .obj .ply .off, also with .gz) and writes the voxels whose centres lie inside it,\n"
     "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a\n"
     "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
@@ -218,9 +223,12 @@ const cli_command cli_voxelize = {
     "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT is a\n"
     "mesh (.ply .obj .stl .off .glb) it becomes their closed surface: of --level by the values between the\n"
     "samples, else at the middle between set and empty ones; --all-labels writes one a label. Samples that\n"
-    "are NaN or infinite are outside, and counted.",
+    "are NaN or infinite are outside, and counted.\n\n"
+    "Of a cloud of points (.xyz, or .ply without faces) the voxels that hold points are set, with --body\n"
+    "also what lies behind them.",
     "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128\n"
     "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin\n"
     "bitvox voxelize fixtures/knot.ply -o distance.vti --mode field --resolution 64\n"
     "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120\n"
-    "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels", run_voxelize};
+    "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels\n"
+    "bitvox voxelize fixtures/ball.xyz -o ball.bvx --spacing 0.1 --body --close-gaps 1", run_voxelize};

@@ -278,20 +278,24 @@ static int is_mesh_format(int32_t format)
     return format == BVX_FORMAT_STL || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_PLY || format == BVX_FORMAT_OFF;
 }
 
-int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
+/* cloud NULL: a mesh alone will do. */
+static bvx_status parse_mesh(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh, int *cloud)
 {
-    int32_t const format = cli_input_format(run, path);
+    bvx_status read = BVX_ERR_EMPTY;
+    if (format != BVX_FORMAT_XYZ) read = bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
+    if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)) return read;
+    *cloud = 1;
+    return bvx_read_points(run->context, b->bytes, b->size, format, mesh);
+}
+
+static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
+{
     cli_bytes b = {NULL, 0, 0, 0};
-    int status;
-    if (strcmp(path, "-") == 0 && !is_mesh_format(format))
-        return cli_usage(run, "--format names no mesh format that is read (stl, obj, ply, off)");
-    if (!is_mesh_format(format))
-        return cli_fail(run, "%s: the name ends in no mesh format that is read (.stl .obj .ply .off, also with .gz)", path);
-    status = cli_read_file(run, path, &b);
+    int status = cli_read_file(run, path, &b);
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) {
         cli_stage_begin(run, "parse");
-        bvx_status const read = bvx_read_mesh(run->context, b.bytes, b.size, format, mesh);
+        bvx_status const read = parse_mesh(run, &b, format, mesh, cloud);
         cli_stage_end(run);
         cli_note_peak(run, b.size);
         bvx_memory_reset_peak(run->context);
@@ -299,4 +303,22 @@ int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
     }
     free(b.bytes);
     return status;
+}
+
+int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
+{
+    int32_t const format = cli_input_format(run, path);
+    if (strcmp(path, "-") == 0 && !is_mesh_format(format))
+        return cli_usage(run, "--format names no mesh format that is read (stl, obj, ply, off)");
+    if (!is_mesh_format(format))
+        return cli_fail(run, "%s: the name ends in no mesh format that is read (.stl .obj .ply .off, also with .gz)", path);
+    return read_mesh_file(run, path, format, mesh, NULL);
+}
+
+int cli_read_mesh_or_cloud(cli_run *run, const char *path, bvx_mesh *mesh, int *cloud)
+{
+    int32_t const format = cli_input_format(run, path);
+    *cloud = 0;
+    if (format != BVX_FORMAT_XYZ && !is_mesh_format(format)) return cli_read_mesh(run, path, mesh); /* which refuses it */
+    return read_mesh_file(run, path, format, mesh, cloud);
 }

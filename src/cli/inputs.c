@@ -38,7 +38,7 @@ int cli_is_packed(const char *path)
 
 const char *cli_format_name(int32_t format)
 {
-    static const char *const name[] = {"unknown", "stl", "obj", "ply", "npy", "png", "off", "glb", "binvox", "vox", "nrrd", "vti", "bvx", "vtu", "raw"};
+    static const char *const name[] = {"unknown", "stl", "obj", "ply", "npy", "png", "off", "glb", "binvox", "vox", "nrrd", "vti", "bvx", "vtu", "raw", "xyz"};
     return format > 0 && format < (int32_t)(sizeof name / sizeof name[0]) ? name[format] : name[0];
 }
 

@@ -53,8 +53,11 @@ void cli_box_view(const cli_box *box, bvx_mesh_view *view)
     view->triangle_count = 1;
 }
 
+/* bvx_lattice_fit_with, bvx_lattice_fit_points */
+typedef bvx_status fit_fn(bvx_context *context, const bvx_mesh_view *view, const bvx_lattice_options *options, bvx_lattice *lattice);
+
 /* From a given corner up to the mesh's high end. */
-static bvx_status lattice_from_origin(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
+static bvx_status lattice_from_origin(cli_run *run, fit_fn *fit_to, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
     const cli_options *const o = &run->options;
     bvx_lattice_options fit;
@@ -63,7 +66,7 @@ static bvx_status lattice_from_origin(cli_run *run, const bvx_mesh_view *view, b
     bvx_status status;
     bvx_lattice_options_init(&fit, sizeof fit);
     memcpy(fit.spacing, spacing, sizeof spacing);
-    status = bvx_lattice_fit_with(run->context, view, &fit, lattice); /* its far end covers the mesh */
+    status = fit_to(run->context, view, &fit, lattice); /* its far end covers the mesh */
     if (status != BVX_OK) return status;
     for (int a = 0; a < 3; a++) {
         double const far_end = lattice->origin[a] + lattice->dims[a] * lattice->spacing[a];
@@ -73,11 +76,11 @@ static bvx_status lattice_from_origin(cli_run *run, const bvx_mesh_view *view, b
     return bvx_lattice_make(run->context, o->origin.value, spacing, dims, lattice);
 }
 
-bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
+static bvx_status make_lattice(cli_run *run, fit_fn *fit_to, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
     const cli_options *const o = &run->options;
     bvx_lattice_options fit;
-    if (o->origin.given) return lattice_from_origin(run, view, lattice);
+    if (o->origin.given) return lattice_from_origin(run, fit_to, view, lattice);
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.padding = o->padding;
     if (o->spacing != 0.0)
@@ -85,5 +88,15 @@ bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice
     else if (o->resolution.count == 3)
         for (int a = 0; a < 3; a++) fit.axis_resolution[a] = (int32_t)o->resolution.value[a];
     else fit.resolution = o->resolution.count == 1 ? (int32_t)o->resolution.value[0] : LATTICE_RESOLUTION;
-    return bvx_lattice_fit_with(run->context, view, &fit, lattice);
+    return fit_to(run->context, view, &fit, lattice);
+}
+
+bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
+{
+    return make_lattice(run, bvx_lattice_fit_with, view, lattice);
+}
+
+bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
+{
+    return make_lattice(run, bvx_lattice_fit_points, view, lattice);
 }

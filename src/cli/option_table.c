@@ -54,12 +54,12 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 /* By BVX_SAMPLE_... */
 static const char *const sample_type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", NULL};
 /* By BVX_FORMAT_...; those that are only written have no name here. */
-static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", "", "raw", NULL};
+static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", "", "raw", "xyz", NULL};
 
 static const char *const contour_format_names[] = {"csl", "csv", NULL};
 
 static const cli_argument arguments[] = {
-    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH, output,
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH | CLI_COMPONENTS, output,
               "where the result goes; the ending tells the format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis [8 x the finest level, less where memory is short]"),
@@ -107,11 +107,13 @@ static const cli_argument arguments[] = {
            "surface parts is inside or outside as a whole; below: all under a terrain;\n"
            "winding: more than half a turn, for holes in overlapping parts [parity]"),
     WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES | CLI_MORPH, close_gaps, 0, 65535,
-          "with --fill flood: gaps of up to N voxels hold the flood [0]"),
+          "with --fill flood, or --body: gaps of up to N voxels hold the flood [0]"),
     CHOICE("--fill", "RULE", CLI_BOOLEAN, fill, boolean_fill_names, BVX_FILL_PARITY,
            "what is inside a mesh. parity: nested shells are cavities; nonzero:\noverlapping and inverted shells are one solid; vote, winding: for\n"
            "meshes with holes [parity]"),
     FLAG("--resample", CLI_BOOLEAN, resample, "bring a grid of another lattice to that of A, by its values at the\nvoxels' centres"),
+    WHOLE("--minimum", "N", CLI_VOXELIZE, minimum, 1, 2147483647.0, "of a cloud: points that a voxel needs to be set [1]"),
+    FLAG("--body", CLI_VOXELIZE, body, "of a cloud: set what a flood from outside cannot reach too"),
     FLAG("--add-shell", CLI_VOXELIZE | CLI_FILL, add_shell, "set all voxels of the surface too"),
     FLAG("--check-edges", CLI_VOXELIZE, check_edges, "count edges with one triangle, and those between flipped ones"),
     FLAG("--compare-fills", CLI_VOXELIZE, compare_fills, "a table of what each rule would set, and where they differ"),
@@ -179,7 +181,13 @@ static const cli_argument arguments[] = {
     LIST("--seed", "X,Y,Z", CLI_FILL, seeds, 0, LARGEST_SIDE, 3, 63,
          "empty voxels to fill from, counted from the grid's first one, three\nnumbers each [one in every pocket]"),
     FILE_NAME("--mesh", "MESH", CLI_FILL, mesh, "the mesh behind the surface: pockets outside of it stay empty"),
-    CHOICE("--connectivity", "N", CLI_FILL, connectivity, connectivity_names, 0, "6: through faces; 18: and edges; 26: and corners [6]"),
+    LIST("--seed", "X,Y,Z", CLI_COMPONENTS, seeds, 0, LARGEST_SIDE, 3, 63,
+         "keep parts that hold one of these voxels, counted from the grid's\nfirst one, three numbers each [all]"),
+    LONG("--keep-largest", "N", CLI_COMPONENTS, keep_largest, 1, 1e15, "keep so many of the largest parts, of those that other rules leave [all]"),
+    LONG("--at-least", "N", CLI_COMPONENTS, at_least, 0, 1e15, "keep parts of so many voxels or more [0]"),
+    FLAG("--fill-cavities", CLI_COMPONENTS, fill_cavities, "fill the empty parts that are closed in through faces"),
+    FILE_NAME("--labels", "FILE", CLI_COMPONENTS, labels, "also write the parts' numbers: .npy, u32"),
+    CHOICE("--connectivity", "N", CLI_FILL | CLI_COMPONENTS, connectivity, connectivity_names, 0, "6: through faces; 18: and edges; 26: and corners [6]"),
     CHOICE("--neighbourhood", "N", CLI_MORPH, neighbourhood, connectivity_names, 0, "6: voxels across faces; 18: and edges; 26: and corners [6]"),
     WHOLE("--steps", "N", CLI_MORPH, steps, 1, 65536, "how many times the neighbourhood is applied [1]"),
     FROM_TO("--radius", "R", CLI_MORPH, radius, 0, 1e300, "a ball in place of the neighbourhood, in the lattice's unit"),

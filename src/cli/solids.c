@@ -11,8 +11,8 @@ int cli_check_fill(cli_run *run)
     int const below = o->fill == BVX_FILL_BELOW, voxelize = run->command->bit == CLI_VOXELIZE;
     for (size_t i = 0; i < sizeof below_alone / sizeof below_alone[0] && voxelize && !below; i++)
         if (cli_given(run, below_alone[i])) return cli_usage(run, "%s needs --fill below", below_alone[i]);
-    if (cli_given(run, "--close-gaps") && o->fill != BVX_FILL_FLOOD && !o->compare_fills)
-        return cli_usage(run, voxelize ? "--close-gaps needs --fill flood, or --compare-fills" : "--close-gaps needs --fill flood");
+    if (cli_given(run, "--close-gaps") && o->fill != BVX_FILL_FLOOD && !o->compare_fills && !o->body)
+        return cli_usage(run, voxelize ? "--close-gaps needs --fill flood, --compare-fills, or --body for clouds" : "--close-gaps needs --fill flood");
     if (below && o->add_shell) return cli_usage(run, "--add-shell has no use with --fill below");
     if (below && o->compare_fills) return cli_usage(run, "--compare-fills has no use with --fill below: the other rules are for closed shapes");
     if ((o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS) && o->window.count != 0)

@@ -145,9 +145,23 @@ static bvx_status visit_difference(bvx_context *ctx, const bvx_grid *one, const 
     return BVX_OK;
 }
 
-static void join_compare_run(void *user, int32_t begin, int32_t end, int32_t y, int32_t z)
+/* Rows of what one has and the other has not, within the box of the difference. */
+static bvx_status join_difference(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other, const compare_sums *all, double from,
+                                  double to, bvxi_components *c)
 {
-    bvxi_components_add(user, begin, end, y, z);
+    int32_t const slices = all->high[2] - all->low[2] + 1, step = (slices + 7) / 8;
+    for (int32_t z = all->low[2]; z <= all->high[2]; z++) {
+        if ((z - all->low[2]) % step == 0)
+            BVXI_TRY(bvxi_progress(ctx, "compare", from + (to - from) * ((double)(z - all->low[2]) / (double)slices)));
+        for (int32_t y = all->low[1]; y <= all->high[1]; y++) {
+            size_t const row = (size_t)z * (size_t)one->size[1] + (size_t)y, at = row * (size_t)one->words_per_row;
+            uint64_t *const words = bvxi_components_row(c, y - all->low[1], z - all->low[2]);
+            for (int32_t k = 0; k < one->words_per_row; k++) words[k] = one->words[at + (size_t)k] & ~other->words[at + (size_t)k];
+            bvxi_components_add(c, y - all->low[1], z - all->low[2]);
+        }
+    }
+    bvxi_components_number(c);
+    return BVX_OK;
 }
 
 typedef struct compare_sizes {
@@ -180,13 +194,13 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
 {
     const bvx_grid *const one = w->grid[side], *const other = w->grid[1 - side];
     double const from = side == 0 ? 0.5 : 0.75, middle = from + 0.15, to = from + 0.25;
+    int32_t const box[3] = {one->size[0], all->high[1] - all->low[1] + 1, all->high[2] - all->low[2] + 1};
     bvxi_components c;
     bvx_status status;
     if (all->runs[side] == 0) return BVX_OK;
-    BVXI_TRY(bvxi_components_open(ctx, function, BVXI_CONNECT_6, one->size, all->runs[side], &c));
-    status = visit_difference(ctx, one, other, all, from, middle, join_compare_run, &c);
+    BVXI_TRY(bvxi_components_open(ctx, function, BVXI_CONNECT_6, box, all->runs[side], &c));
+    status = join_difference(ctx, one, other, all, from, middle, &c);
     if (status == BVX_OK) {
-        bvxi_components_number(&c);
         status = measure_components(ctx, one, other, all, middle, to, &c, largest);
         *count = c.component_count;
     }

@@ -76,8 +76,7 @@ bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int3
     BVXI_TRY(bvxi_grid_check(context, grid_fill_name, walls));
     if (filled == NULL) return bvxi_fail_null(context, grid_fill_name, "filled");
     if (seeds == NULL && seed_count != 0) return bvxi_fail_null(context, grid_fill_name, "seeds");
-    if (connectivity != 6 && connectivity != 18 && connectivity != 26)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: connectivity is %d, not 6, 18 or 26", grid_fill_name, (int64_t)connectivity);
+    BVXI_TRY(bvxi_check_connectivity(context, grid_fill_name, connectivity));
     if (filled->words == walls->words)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: the result's array is that of the walls", grid_fill_name);
     BVXI_TRY(check_seeds(context, walls, seeds, seed_count));

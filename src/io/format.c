@@ -22,7 +22,7 @@ int32_t bvx_format_of_name(const char *name)
                  {".png", BVX_FORMAT_PNG}, {".off", BVX_FORMAT_OFF}, {".glb", BVX_FORMAT_GLB}, {".binvox", BVX_FORMAT_BINVOX},
                  {".vox", BVX_FORMAT_VOX}, {".nrrd", BVX_FORMAT_NRRD}, {".vti", BVX_FORMAT_VTI}, {".bvx", BVX_FORMAT_BVX},
                  {".vtu", BVX_FORMAT_VTU}, {".csl", BVX_FORMAT_CSL}, {".csv", BVX_FORMAT_CSV}, {".svg", BVX_FORMAT_SVG},
-                 {".nhdr", BVX_FORMAT_NRRD}, {".raw", BVX_FORMAT_RAW}};
+                 {".nhdr", BVX_FORMAT_NRRD}, {".raw", BVX_FORMAT_RAW}, {".xyz", BVX_FORMAT_XYZ}};
     size_t n;
     if (name == NULL) return BVX_FORMAT_UNKNOWN;
     n = bvxi_text_length(name);

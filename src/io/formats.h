@@ -21,6 +21,8 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh);
+/* The vertices alone. */
+bvx_status bvxi_read_ply_points(bvxi_source *source, bvx_mesh *points);
 
 /* Start a pass over the bytes that is the part [from, to] of the work. */
 void bvxi_source_pass(bvxi_source *source, double from, double to);
@@ -50,6 +52,8 @@ static inline uint64_t bvxi_source_byte(const bvxi_source *source, const void *a
     return (uint64_t)((const char *)at - source->begin);
 }
 
+/* 1 when a mesh holds no array. */
+int bvxi_mesh_is_empty(const bvx_mesh *m);
 /* The arrays of a mesh that is read, in exact sizes. */
 bvx_status bvxi_make_positions(bvx_context *ctx, bvx_mesh *mesh, int32_t type, uint64_t count);
 bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);

@@ -265,7 +265,7 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
     static const char *const names[] = {"x", "y", "z"};
     int const has_faces = h->face != NULL && h->face->count > 0, has_strips = h->strips != NULL && h->strips->count > 0;
     int floats = 0;
-    if (!has_faces && !has_strips) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the header names no faces");
+    if (!h->points && !has_faces && !has_strips) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the header names no faces");
     if (h->vertex == NULL) return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: the header names no element vertex");
     for (int32_t a = 0; a < 3; a++)
         if (!ply_has_role(h, h->vertex, a))
@@ -274,15 +274,15 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
     for (uint32_t i = h->vertex->first; i < h->vertex->end; i++)
         floats += h->properties[i].role >= PLY_ROLE_X && h->properties[i].role <= PLY_ROLE_Z &&
                   h->properties[i].type == PLY_F32;
-    if (has_faces && !ply_has_role(h, h->face, PLY_ROLE_CORNERS))
+    if (!h->points && has_faces && !ply_has_role(h, h->face, PLY_ROLE_CORNERS))
         return ply_fail_line(s, h->face->name, "element face has no list vertex_indices or vertex_index");
-    if (has_strips && !ply_has_role(h, h->strips, PLY_ROLE_STRIP))
+    if (!h->points && has_strips && !ply_has_role(h, h->strips, PLY_ROLE_STRIP))
         return ply_fail_line(s, h->strips->name, "element tristrips has no list vertex_indices or vertex_index");
     if (h->vertex->count > UINT32_MAX)
         return bvxi_fail(s->ctx, BVX_ERR_RANGE, "PLY: %u vertices, the limit is below 2^32", h->vertex->count);
     h->position_type = floats == 3 ? BVX_F32 : BVX_F64;
-    if (!has_faces) h->face = NULL;
-    if (!has_strips) h->strips = NULL;
+    if (!has_faces || h->points) h->face = NULL;
+    if (!has_strips || h->points) h->strips = NULL;
     ply_find_attributes(h);
     return BVX_OK;
 }

@@ -32,6 +32,7 @@ typedef struct ply_element {
 
 typedef struct ply_header {
     int32_t encoding;
+    int32_t points;                 /* set before reading: vertices alone are wanted, faces may be missing */
     uint32_t element_count, property_count;
     uint64_t line_count;            /* what the arrays have room for */
     ply_element *elements;          /* scratch */

@@ -126,7 +126,7 @@ void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh)
     mesh->uv_count = 0;
 }
 
-static int read_mesh_is_empty(const bvx_mesh *m)
+int bvxi_mesh_is_empty(const bvx_mesh *m)
 {
     return m->positions == NULL && m->triangles == NULL && m->vertex_keys == NULL && m->triangle_keys == NULL &&
            m->colours == NULL && m->uvs == NULL && m->uv_triangles == NULL;
@@ -163,7 +163,7 @@ bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size,
     if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY && format != BVX_FORMAT_OFF)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: format %d holds no mesh that is read; take STL, OBJ, PLY or OFF",
                          function, (int64_t)format);
-    if (!read_mesh_is_empty(mesh))
+    if (!bvxi_mesh_is_empty(mesh))
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh holds arrays already; free or zero it first", function);
     source.ctx = context;
     source.begin = bytes;

@@ -200,11 +200,20 @@ static bvx_status ply_take_data(ply_file *f)
     return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygon_count);
 }
 
-bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh)
+static bvx_status ply_take_points(ply_file *f)
+{
+    if (f->vertex_count == 0) return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "PLY: the file has no vertices");
+    BVXI_TRY(ply_make_vertices(f));
+    return ply_take_all(f);
+}
+
+static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *mesh)
 {
     ply_header header = {0};
     ply_file f = {0};
-    bvx_status status = bvxi_ply_header_read(source, &header);
+    bvx_status status;
+    header.points = points;
+    status = bvxi_ply_header_read(source, &header);
     if (status == BVX_OK) {
         f.source = source;
         f.header = &header;
@@ -213,9 +222,19 @@ bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh)
         f.big = header.encoding == PLY_BIG;
         f.vertex_count = header.vertex->count;
         f.uvs_at_corners = header.uvs == 2;
-        status = ply_take_data(&f);
+        status = points ? ply_take_points(&f) : ply_take_data(&f);
     }
     bvxi_free(source->ctx, f.fans, f.fan_room * sizeof *f.fans);
     bvxi_ply_header_free(source->ctx, &header);
     return status;
+}
+
+bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh)
+{
+    return read_ply_file(source, 0, mesh);
+}
+
+bvx_status bvxi_read_ply_points(bvxi_source *source, bvx_mesh *points)
+{
+    return read_ply_file(source, 1, points);
 }

@@ -1,4 +1,4 @@
-/* fit.c - a lattice around a mesh.
+/* fit.c - a lattice around a mesh, or a cloud of points.
  *
  * Low-aligned: the mesh's bounds begin on the low corner of the first voxel behind the padding. dims are the least
  * count that covers the bounds; an excess below 2^-40 of the extent is the rounding of the division, holds no
@@ -43,10 +43,10 @@ static double least_cover(double extent, double spacing)
     return whole < 1 ? 1 : whole;
 }
 
-bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice_options *options,
-                                bvx_lattice *lattice)
+/* points: all vertices count, and triangles do not. */
+static bvx_status fit_lattice(bvx_context *context, const char *name, const bvx_mesh_view *mesh, int points, const bvx_lattice_options *options,
+                              bvx_lattice *lattice)
 {
-    static const char name[] = "bvx_lattice_fit";
     bvx_lattice_options o = lattice_defaults;
     int32_t per_axis, by_spacing, longest = 0, dims[3];
     double low[3], high[3], extent[3], spacing[3], origin[3];
@@ -54,8 +54,14 @@ bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh,
     if (lattice == NULL) return bvxi_fail_null(context, name, "lattice");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(check_fit_options(context, name, &o, &per_axis, &by_spacing));
-    BVXI_TRY(bvxi_view_check(context, name, mesh));
-    BVXI_TRY(bvxi_view_bounds(context, name, mesh, low, high));
+    if (points) {
+        bvx_mesh_view cloud;
+        BVXI_TRY(bvxi_view_take_points(context, name, mesh, &cloud));
+        BVXI_TRY(bvxi_view_point_bounds(context, name, &cloud, low, high));
+    } else {
+        BVXI_TRY(bvxi_view_check(context, name, mesh));
+        BVXI_TRY(bvxi_view_bounds(context, name, mesh, low, high));
+    }
     for (int32_t a = 0; a < 3; a++) {
         extent[a] = high[a] - low[a];
         if (extent[a] > extent[longest]) longest = a;
@@ -80,6 +86,18 @@ bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh,
         origin[a] = low[a] - o.padding * spacing[a];
     }
     return bvx_lattice_make(context, origin, spacing, dims, lattice);
+}
+
+bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice_options *options,
+                                bvx_lattice *lattice)
+{
+    return fit_lattice(context, "bvx_lattice_fit", mesh, 0, options, lattice);
+}
+
+bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice_options *options,
+                                  bvx_lattice *lattice)
+{
+    return fit_lattice(context, "bvx_lattice_fit_points", points, 1, options, lattice);
 }
 
 bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution, bvx_lattice *lattice)

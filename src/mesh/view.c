@@ -289,3 +289,34 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
     }
     return BVX_OK;
 }
+
+bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const bvx_mesh_view *view, bvx_mesh_view *points)
+{
+    if (view == NULL) return bvxi_fail_null(ctx, function, "points");
+    *points = *view;
+    points->indices = NULL;
+    points->triangle_count = 0;
+    points->index_type = points->index_stride = 0;
+    return bvxi_view_check(ctx, function, points);
+}
+
+bvx_status bvxi_view_point_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3], double high[3])
+{
+    double p[3], lo[3], hi[3];
+    if (view->vertex_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: there are no points", function);
+    BVXI_TRY(check_every_position(ctx, function, view));
+    bvxi_view_position(view, 0, lo);
+    memcpy(hi, lo, sizeof hi);
+    for (uint64_t i = 1; i < view->vertex_count; i++) {
+        bvxi_view_position(view, i, p);
+        for (int a = 0; a < 3; a++) {
+            lo[a] = p[a] < lo[a] ? p[a] : lo[a];
+            hi[a] = p[a] > hi[a] ? p[a] : hi[a];
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        low[a] = lo[a] + 0.0;
+        high[a] = hi[a] + 0.0;
+    }
+    return BVX_OK;
+}

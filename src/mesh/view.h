@@ -17,6 +17,13 @@ bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mes
 bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3],
                             double high[3]);
 
+/* The view's vertices alone, checked as bvxi_view_check does. */
+bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const bvx_mesh_view *view, bvx_mesh_view *points);
+
+/* Bounds of all vertices, -0 given as 0; triangles are not looked at. BVX_ERR_EMPTY without vertices, BVX_ERR_RANGE for a
+ * coordinate that is not finite (names the vertex). */
+bvx_status bvxi_view_point_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3], double high[3]);
+
 /* The refusal of a triangle that bvxi_view_triangle did not accept, and of a vertex that is not finite. */
 BVXI_COLD bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
                                           uint64_t t);

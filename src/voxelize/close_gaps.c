@@ -7,7 +7,11 @@
  * window is empty. D(p): the cube at p .. p + m - 1 holds a set voxel; voxel v closes when D holds for all p of v - m + 1 .. v.
  * p begins at 1 - m, so D is kept in a grid of m - 1 more voxels a side: D(p) stands at p + m - 1. There D is an OR over m
  * voxels down from each place, the answer an AND over m voxels up.
+ * A body: between the two, places of the cube that no way from outside leads to count as holding a set voxel too, so what is left
+ * empty is what the cube reaches from outside. (Closing first and flooding by single voxels then would leak: where a surface runs
+ * slanting, the corners of two cubes meet in a hole of one voxel.)
  * Guarantee: exact. A gap of up to `gap` voxels between set voxels along an axis, or a hole of that width in a wall, closes. */
+#include "grid/spaces.h"
 #include "voxelize/fills.h"
 
 enum { GAP_GRAIN = 4096 };
@@ -93,10 +97,10 @@ static void join_gap_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-static bvx_status run_gap_passes(bvx_context *ctx, gap_job *job)
+static bvx_status run_gap_passes(bvx_context *ctx, gap_job *job, int32_t first, int32_t end)
 {
     uint64_t const words = (uint64_t)job->row_words * (uint64_t)job->size[1] * (uint64_t)job->size[2];
-    for (int32_t pass = 0; pass < 6; pass++) {
+    for (int32_t pass = first; pass < end; pass++) {
         job->both = pass >= 3;
         job->axis = pass % 3;
         job->pieces = bvxi_piece_count(words, GAP_GRAIN);
@@ -104,6 +108,16 @@ static bvx_status run_gap_passes(bvx_context *ctx, gap_job *job)
         BVXI_TRY(bvxi_parallel(ctx, "gaps", pass / 6.0, (pass + 1) / 6.0, job->pieces, join_gap_piece, job));
     }
     return BVX_OK;
+}
+
+/* Set D where the cube is locked in. */
+static bvx_status lock_gap_cubes(bvx_context *ctx, const char *function, gap_job *job, uint64_t *pockets)
+{
+    bvx_grid places = {0};
+    places.words = job->words;
+    memcpy(places.size, job->size, sizeof places.size);
+    places.words_per_row = job->row_words;
+    return bvxi_fill_pockets(ctx, function, &places, BVXI_CONNECT_6, 0, job->words, NULL, pockets);
 }
 
 static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *back)
@@ -123,7 +137,8 @@ static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *ba
         }
 }
 
-bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap)
+/* pockets NULL: gaps are closed and no more. */
+static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap, uint64_t *pockets)
 {
     gap_job job = {0};
     uint64_t bytes = 8;
@@ -139,8 +154,20 @@ bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "closing gaps of %d voxels takes a grid beyond this machine's addresses", (int64_t)gap);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the grid for closing gaps", &job.words));
     copy_gap_rows(grid, &job, NULL);
-    status = run_gap_passes(ctx, &job);
+    status = run_gap_passes(ctx, &job, 0, 3);
+    if (status == BVX_OK && pockets != NULL) status = lock_gap_cubes(ctx, function, &job, pockets);
+    if (status == BVX_OK) status = run_gap_passes(ctx, &job, 3, 6);
     if (status == BVX_OK) copy_gap_rows(grid, &job, grid->words);
     bvxi_free(ctx, job.words, bytes);
     return status;
+}
+
+bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap)
+{
+    return close_gaps_and_pockets(ctx, NULL, grid, gap, NULL);
+}
+
+bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap, uint64_t *pockets)
+{
+    return close_gaps_and_pockets(ctx, function, grid, gap, pockets);
 }

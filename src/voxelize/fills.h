@@ -35,6 +35,9 @@ bvx_status bvxi_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64_t *fil
 /* close_gaps.c: put to the words of grid what a cube of gap + 1 voxels a side cannot reach when it moves through empty voxels,
  * also beyond the window. Scratch: one more grid. */
 bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap);
+/* The same for a cube that comes from outside: what lies behind walls that hold it is set too. *pockets: how many places do. Scratch:
+ * also that of spaces.h over the grid of gap more voxels a side. */
+bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap, uint64_t *pockets);
 
 /* below.c. second_job: options->second made ready, or NULL. Local. */
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job, const bvx_voxelize_options *options,

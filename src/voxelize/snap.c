@@ -15,19 +15,6 @@ typedef struct snap_job {
     uint8_t bad[256]; /* by piece */
 } snap_job;
 
-/* 1 when the vertex fits; a NaN fails both comparisons. */
-static inline int snap_vertex(const double p[3], const double origin[3], const double scale[3], int32_t q[3])
-{
-    int fits = 1;
-    for (int32_t a = 0; a < 3; a++) {
-        double const v = (p[a] - origin[a]) * scale[a];
-        int const inside = v > 0.5 - BVXI_FIXED_LIMIT && v < BVXI_FIXED_LIMIT - 0.5;
-        q[a] = bvxi_round_half_up(inside ? v : 0.0);
-        fits &= inside;
-    }
-    return fits;
-}
-
 /* Packed floats, SNAP_RUN vertices at a time as one row of numbers: the same arithmetic, in vectors. Vertices that do not
  * fit come out with coordinates of 0 and make the result other than 1. */
 BVXI_VECTOR_INLINE int snap_run(const float *BVXI_RESTRICT p, const double *BVXI_RESTRICT origin, const double *BVXI_RESTRICT scale,
@@ -67,7 +54,7 @@ BVXI_VECTOR_INLINE int snap_range(const snap_job *job, uint64_t begin, uint64_t 
         int32_t *const q = job->out->xyz + 3 * v;
         double p[3];
         bvxi_view_position(view, v, p);
-        if (BVXI_UNLIKELY(!snap_vertex(p, job->origin, job->scale, q))) {
+        if (BVXI_UNLIKELY(!bvxi_snap_vertex(p, job->origin, job->scale, q))) {
             q[0] = SNAP_BAD;
             fits = 0;
         }
@@ -131,6 +118,16 @@ void bvxi_snap_free(bvx_context *ctx, bvxi_snapped *s)
     memset(s, 0, sizeof *s);
 }
 
+bvx_status bvxi_snap_scale(bvx_context *ctx, const char *function, const bvx_lattice *lattice, double scale[3])
+{
+    for (int32_t a = 0; a < 3; a++) {
+        scale[a] = (double)(1 << lattice->fraction_bits) / lattice->spacing[a];
+        if (!(scale[a] - scale[a] == 0.0))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's spacing of %g is too small to divide by", function, lattice->spacing[a]);
+    }
+    return BVX_OK;
+}
+
 bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_lattice *lattice,
                      bvxi_snapped *out)
 {
@@ -144,11 +141,7 @@ bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view
     job.out = out;
     job.pieces = bvxi_piece_count(view->vertex_count, SNAP_GRAIN);
     memcpy(job.origin, lattice->origin, sizeof job.origin);
-    for (int32_t a = 0; a < 3; a++) {
-        job.scale[a] = (double)(1 << lattice->fraction_bits) / lattice->spacing[a];
-        if (!(job.scale[a] - job.scale[a] == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's spacing of %g is too small to divide by", function, lattice->spacing[a]);
-    }
+    BVXI_TRY(bvxi_snap_scale(ctx, function, lattice, job.scale));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 12 + 4, "the snapped vertices", &out->xyz));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' rows", &out->cell);
     if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", 0.0, 0.1, job.pieces, snap_piece, &job);

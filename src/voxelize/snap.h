@@ -31,4 +31,20 @@ bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const b
 bvx_status bvxi_snap_turn(bvx_context *ctx, int32_t axis, double progress, bvxi_snapped *s);
 void bvxi_snap_free(bvx_context *ctx, bvxi_snapped *s);
 
+/* Fixed-point steps a unit of the world, along each axis. */
+bvx_status bvxi_snap_scale(bvx_context *ctx, const char *function, const bvx_lattice *lattice, double scale[3]);
+
+/* 1 when the vertex fits; a NaN fails both comparisons. */
+static inline int bvxi_snap_vertex(const double p[3], const double origin[3], const double scale[3], int32_t q[3])
+{
+    int fits = 1;
+    for (int32_t a = 0; a < 3; a++) {
+        double const v = (p[a] - origin[a]) * scale[a];
+        int const inside = v > 0.5 - BVXI_FIXED_LIMIT && v < BVXI_FIXED_LIMIT - 0.5;
+        q[a] = bvxi_round_half_up(inside ? v : 0.0);
+        fits &= inside;
+    }
+    return fits;
+}
+
 #endif

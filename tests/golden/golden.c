@@ -310,6 +310,7 @@ static void bare_cases(golden *g)
 #include "algebra_cases.h"
 #include "morph_cases.h"
 #include "volume_cases.h"
+#include "component_cases.h"
 
 static const struct {
     const char *file;
@@ -332,6 +333,8 @@ static const struct {
     {"algebra", algebra_cases},
     {"morphology", morph_cases},
     {"volumes", volume_cases},
+    {"components", component_cases},
+    {"clouds", cloud_cases},
 };
 
 /* ---- Files ---- */

@@ -4,16 +4,6 @@
 
 enum { MORPH_VOXELS = 200000 };
 
-static uint64_t mixed_floats(uint64_t hash, const float *values, uint64_t count)
-{
-    for (uint64_t i = 0; i < count; i++) {
-        uint32_t bits;
-        memcpy(&bits, &values[i], sizeof bits);
-        hash = mixed_word(hash, bits);
-    }
-    return hash;
-}
-
 /* ---- Grids ---- */
 
 /* A torus with specks outside and pores inside. */

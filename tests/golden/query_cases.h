@@ -20,6 +20,16 @@ static uint64_t mixed_doubles(uint64_t hash, const double *values, uint64_t coun
     return hash;
 }
 
+static uint64_t mixed_floats(uint64_t hash, const float *values, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        hash = mixed_word(hash, bits);
+    }
+    return hash;
+}
+
 static uint64_t mixed_integers(uint64_t hash, const int32_t *values, uint64_t count)
 {
     for (uint64_t i = 0; i < count; i++) hash = mixed_word(hash, (uint64_t)(int64_t)values[i]);

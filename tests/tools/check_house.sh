@@ -196,9 +196,9 @@ up_to_date() {
     return 0
 }
 
-# The bundled meshes are what their generators write.
+# The bundled meshes and clouds are what their generators write.
 fixtures_as_generated() {
-    for maker in make_fixture make_terrain make_volume; do
+    for maker in make_fixture make_terrain make_volume make_cloud; do
         # shellcheck disable=SC2086
         $CC -std=c99 -O1 $strict -ffp-contract=off tests/tools/$maker.c -o "$work/$maker" -lm || return 1
     done
@@ -206,7 +206,8 @@ fixtures_as_generated() {
         "$work/make_terrain" before "$work/mesh.ply" && cmp "$work/mesh.ply" fixtures/terrain.ply &&
         "$work/make_terrain" after "$work/mesh.ply" && cmp "$work/mesh.ply" fixtures/terrain_quarry.ply &&
         "$work/make_volume" waves "$work/samples" && cmp "$work/samples" fixtures/waves.raw &&
-        "$work/make_volume" labels "$work/samples" && cmp "$work/samples" fixtures/labels.npy
+        "$work/make_volume" labels "$work/samples" && cmp "$work/samples" fixtures/labels.npy &&
+        "$work/make_cloud" "$work/cloud.xyz" && cmp "$work/cloud.xyz" fixtures/ball.xyz
 }
 
 # shellcheck disable=SC2086
