@@ -99,6 +99,12 @@ def test_dask_volume():
     assert big.surface(volume, dtype="float64", face_rule="join").content_hash() == bitvox.surface(grid, dtype="float64", face_rule="join").content_hash()
     shell = big.voxelize(bitvox.read(KNOT), grid.lattice, chunks=(64, 70, 30), mode="conservative")
     assert volume.map(operator.sub, shell).compute() == grid - shell.compute()
+    other = shell.compute()
+    for combine in (operator.or_, operator.and_, operator.sub, operator.xor):
+        assert combine(volume, shell).compute() == combine(grid, other)
+    assert (~volume).compute() == ~grid
+    with pytest.raises(TypeError):
+        volume | grid  # noqa: B018
     assert volume.map(operator.invert).count() == (~grid).count
     from dask.base import tokenize
 
@@ -106,10 +112,109 @@ def test_dask_volume():
     assert tokenize(grid) == tokenize(bitvox.Grid.from_numpy(grid.to_numpy(), lattice=grid.lattice)) != tokenize(~grid)
     odd = big.from_dask(array.rechunk((50, 150, 25)), grid.lattice)
     assert odd.compute() == grid and big.surface(odd).content_hash() == mesh.content_hash()
-    with pytest.raises(bitvox.ArgumentError):
-        volume.map(operator.or_, odd)
+    with pytest.raises(bitvox.ArgumentError, match="rechunk"):
+        volume | odd  # noqa: B018
+    assert (volume | odd.rechunk(volume.chunks.size)).compute() == grid
     with pytest.raises(bitvox.ArgumentError):
         big.voxelize(KNOT, grid.lattice, resolution=3)
+
+
+def stretched():
+    """Blobs of several sizes that reach all sides, in voxels whose edges differ, with its chunks on Dask."""
+    pytest.importorskip("dask.array")
+    import dask.array as da
+
+    noise = np.random.default_rng(4).random((70, 30, 26))
+    for axis in range(3):
+        noise = sum(np.roll(noise, k, axis) for k in range(-2, 3)) / 5
+    grid = bitvox.Grid.from_numpy(noise > 0.52, spacing=(0.5, 1.0, 0.75), corner=(-3, 4, 5))
+    assert 0.2 < grid.count / noise.size < 0.5
+
+    def volume(size):
+        return big.from_dask(da.from_array(grid.to_numpy()), grid.lattice, chunks=size)
+
+    return grid, volume
+
+
+@pytest.fixture(scope="module")
+def local():
+    """Tasks run here, one after another, so that small tests are quick."""
+    dask = pytest.importorskip("dask")
+    with dask.config.set(scheduler="synchronous"):
+        yield
+
+
+SIZES = [(64, 16, 13), (30, 9, 26)]  # rows that begin where words do, and chunks that are smaller than some halos
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("beyond", [False, True])
+def test_morphology_of_chunks(local, size, beyond):
+    grid, volume = stretched()
+    cut = volume(size)
+    for name in ("dilate", "erode", "open", "close"):
+        for options in ({}, {"neighbourhood": 26}, {"steps": 3, "neighbourhood": 18}, {"radius": 0.8}, {"radius": 2.0}):
+            made = getattr(cut, name)(**options, beyond=beyond).compute()
+            assert made.content_hash() == getattr(grid, name)(**options, beyond=beyond).content_hash(), (name, options)
+    assert cut.hollow(1.0, beyond=beyond).compute() == grid.hollow(1.0, beyond=beyond) != grid
+    for wrong in (lambda: cut.dilate(neighbourhood=7), lambda: cut.open(0), lambda: cut.erode(2, radius=1.0), lambda: cut.close(radius=-1.0), lambda: cut.hollow(0.0)):
+        with pytest.raises(bitvox.Error):
+            wrong()  # before anything is computed
+
+
+def test_a_halo_of_a_voxel_less_would_show(local):
+    one = np.zeros((40, 20, 20), bool)
+    one[18, 10, 10] = True  # two voxels behind the second chunk's first ones
+    import dask.array as da
+
+    def opened(margin, array):
+        return big.from_dask(da.from_array(array), chunks=(16, 20, 20)).around(bitvox.Grid.open, margin, 3).compute()
+
+    body = bitvox.Grid.from_numpy(one).dilate(3)  # its tip, in the first chunk, stands or falls with the voxel that is six away
+    assert body.open(3) == opened(6, body.to_numpy()) == body != opened(5, body.to_numpy())
+    assert opened((6, 0, 0), body.to_numpy()) == body
+    with pytest.raises(bitvox.Error):
+        opened(-1, one)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_distances_of_chunks(local, size):
+    grid, volume = stretched()
+    cut = volume(size)
+    for side in ("outside", "inside", "signed"):
+        for beyond in ("nothing", "empty", "set"):
+            whole = grid.distance(side, beyond=beyond)
+            for limit in (0.3, 1.7, 2.5):
+                found = cut.distance(limit, side, beyond=beyond)
+                assert found.dtype == np.float32 and found.chunks[1][0] == size[1]
+                assert np.array_equal(found.compute(), np.clip(whole, np.float32(-limit), np.float32(limit))), (side, beyond, limit)
+    assert np.array_equal(cut.distance(1e9, dtype="float64").compute(), grid.distance(dtype="float64"))  # a limit beyond all: the whole
+    assert np.abs(grid.distance("signed")).max() > 1.7
+    sparse = bitvox.Grid.from_numpy(np.arange(70 * 30 * 26).reshape(70, 30, 26) == 40000, lattice=grid.lattice)
+    import dask.array as da
+
+    lonely = big.from_dask(da.from_array(sparse.to_numpy()), grid.lattice, chunks=size)
+    assert np.array_equal(lonely.distance(6.0).compute(), np.minimum(sparse.distance(), np.float32(6)))
+    assert (lonely.distance(6.0, "signed").compute() == np.clip(sparse.distance("signed"), np.float32(-6), np.float32(6))).all()
+    for wrong in (lambda: cut.distance(0), lambda: cut.distance(float("nan")), lambda: cut.distance(1, "up"), lambda: cut.distance(1, dtype="int8")):
+        with pytest.raises(bitvox.Error):
+            wrong()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_blocks_of_chunks(local, size):
+    grid, volume = stretched()
+    cut = volume(size)
+    for factor in (2, 3, (4, 1, 7), 64, (100, 100, 100)):
+        for rule in ("any", "all", "majority"):
+            made = cut.downsample(factor, rule)
+            assert made.compute().content_hash() == grid.downsample(factor, rule).content_hash() and made.lattice == grid.downsample(factor).lattice
+        assert np.array_equal(cut.coverage(factor).compute(), grid.coverage(factor))
+    assert cut.downsample(2).downsample(2).compute() == grid.downsample(2).downsample(2)
+    assert cut.rechunk((50, 7, 26)).rechunk(32).compute() == grid
+    for wrong in (lambda: cut.downsample(0), lambda: cut.downsample(2, "most"), lambda: cut.rechunk(0)):
+        with pytest.raises(bitvox.Error):
+            wrong()
 
 
 @needs_knot
@@ -176,6 +281,7 @@ def test_distributed_with_a_killed_worker(tmp_path):
         assert big.surface(volume).content_hash() == mesh.content_hash()
         pids = list(client.run(os.getpid).values())
         assert len(set(pids)) == 2 and os.getpid() not in pids
+        assert volume.close(radius=0.1).compute() == grid.close(radius=0.1)
         slow = volume.map(slowly)
         futures = client.compute(list(slow.blocks.values()))
         while not any(f.status == "finished" for f in futures):

@@ -35,6 +35,10 @@ def test_nifti(tmp_path):
     assert np.array_equal(formats.read_nifti(tmp_path / "c.nii", threshold=11.5).to_numpy(), values > 11.5)
     assert formats.read_nifti(tmp_path / "c.nii", threshold=(3, 5)).count == 3
     assert formats.read_nifti(tmp_path / "c.nii", labels=[1, 7]).count == 2
+    volume = bitvox.read_volume(tmp_path / "c.nii")
+    assert np.array_equal(volume.array, values) and volume.lattice.center0 == (0, 0, 0) and volume.threshold(12).count == 12
+    with pytest.raises(bitvox.ArgumentError, match="spacing"):
+        bitvox.read_volume(tmp_path / "c.nii", spacing=2)
     with pytest.raises(bitvox.ArgumentError):
         formats.read_nifti(tmp_path / "c.nii", threshold=1, labels=1)
     oblique = np.eye(4)
@@ -88,6 +92,8 @@ def test_dicom_series(tmp_path):
     grid = formats.read_dicom(tmp_path, threshold=150)
     assert grid.spacing == (0.5, 2.0, 3.0) and grid.center0 == (10.0, 20.0, 30.0)
     assert np.array_equal(grid.to_numpy(), ODD)
+    volume = bitvox.read_volume(tmp_path)
+    assert np.array_equal(volume.array, ODD * 300) and volume.lattice == grid.lattice
     (tmp_path / "007.dcm").unlink()
     with pytest.raises(bitvox.FormatError, match="evenly"):
         formats.read_dicom(tmp_path)
@@ -97,6 +103,7 @@ def test_dicom_series(tmp_path):
     turned = formats.read_dicom(other, threshold=(100, 400))
     assert turned.spacing == (0.5, 1.0, 2.0)
     assert np.array_equal(turned.to_numpy(), ODD.transpose(0, 2, 1)[::-1, :, ::-1])  # x by slices, y by columns, z by rows
+    assert formats.read_dicom_volume(other).threshold(100, 400) == turned
     assert turned.center0 == (1.0 - 0.5 * (ODD.shape[0] - 1), 2.0, 50.0 - 2.0 * (ODD.shape[1] - 1))
     empty = tmp_path / "empty"
     empty.mkdir()

@@ -21,21 +21,35 @@ def program(*arguments):
     assert found.returncode == 0, found.stderr
 
 
+# Options of all commands that take a volume, which is an object of its own in Python.
+VOLUME = [bitvox.Volume.surface, bitvox.read_volume]
+OF_VOLUMES = {"range": bitvox.Volume.threshold, "label": bitvox.Volume.label, "sample-type": "dtype", "big-endian": "dtype", "skip": "offset",
+              "voxel-size": "spacing"}
 # Options of the program that a function of Python has under another name, or that are functions or methods of their own.
 NAMES = {
-    "voxelize": ([bitvox.voxelize, bitvox.field], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills}),
-    "lod": ([bitvox.lod], {"samples": bitvox.compare}),
+    "voxelize": ([bitvox.voxelize, bitvox.field, *VOLUME], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills,
+                                                            "all-labels": bitvox.Volume.labels, **OF_VOLUMES}),
+    "lod": ([bitvox.lod, *VOLUME], {"samples": bitvox.compare, **OF_VOLUMES}),
     "repair": ([bitvox.repair], {}),
     "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "leaves": bitvox.Octree.leaves, "cut": None}),
     "sections": ([bitvox.from_sections], {"block-model": None, "block": None}),
     "slice": ([bitvox.slice_mesh], {}),
-    "faces": ([bitvox.faces, bitvox.voxelize], {"origin": "corner"}),
+    "faces": ([bitvox.faces, bitvox.voxelize, *VOLUME], {"origin": "corner", **OF_VOLUMES}),
     "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets], {"seed": "seeds", "add-shell": bitvox.Grid.__or__}),
     "compare": ([bitvox.compare], {}),
-    "render": ([bitvox.render], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
-                                 "expand": bitvox.Octree.expand, "turntable": None}),
+    "morph": ([bitvox.Grid.dilate, bitvox.Grid.hollow, bitvox.Grid.distance, bitvox.voxelize], {"origin": "corner", "value-type": "dtype"}),
+    "boolean": ([bitvox.boolean], {"spacing": bitvox.Lattice, "resample": bitvox.Grid.resample}),
+    "convert": ([bitvox.read, bitvox.dumps, *VOLUME], {"expand": bitvox.Octree.expand, **OF_VOLUMES}),
+    "info": ([bitvox.read], {}),
+    "render": ([bitvox.render, *VOLUME], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
+                                 "expand": bitvox.Octree.expand, "turntable": None, **OF_VOLUMES}),
 }
 OF_THE_PROGRAM = {"format", "json", "quiet", "help"}  # files and reports
+
+
+def test_every_command_is_known_here():
+    text = subprocess.run([PROGRAM, "help"], capture_output=True, text=True, check=True).stdout
+    assert set(re.findall(r"^  ([a-z]+)  ", text, flags=re.M)) == set(NAMES)
 
 
 @pytest.mark.parametrize("command", NAMES)
@@ -109,3 +123,56 @@ def test_slice_and_sections(tmp_path, options):
 def test_refine(tmp_path, options):
     program("refine", KNOT, "-o", tmp_path / "a.bvx", *[w for name, value in options.items() for w in ("--" + name, value)])
     assert bitvox.dumps(bitvox.refine(KNOT, **options), "bvx") == (tmp_path / "a.bvx").read_bytes()
+
+
+@pytest.fixture()
+def grids(tmp_path):
+    """Two grids of one lattice, and their files."""
+    a = bitvox.voxelize(KNOT, resolution=70, padding=3)
+    b = bitvox.Grid.from_numpy(a.to_numpy()[::-1, :, ::-1], lattice=a.lattice)
+    a.save(tmp_path / "a.bvx")
+    b.save(tmp_path / "b.bvx")
+    return a, b
+
+
+@pytest.mark.parametrize("action, options", [("dilate", {"steps": 3, "neighbourhood": 18}), ("erode", {"radius": 0.25, "beyond": "set"}), ("open", {"neighbourhood": 26}),
+                                             ("close", {"radius": 0.3}), ("hollow", {"thickness": 0.2, "drain": 0.12, "drain_side": "y-high"})])
+def test_morph(tmp_path, grids, action, options):
+    words = [w for name, value in options.items() for w in ("--" + name.replace("_", "-"), value)]
+    program("morph", action, tmp_path / "a.bvx", "-o", tmp_path / "c.bvx", *words)
+    if "beyond" in options:
+        options = {**options, "beyond": options["beyond"] == "set"}
+    made = getattr(grids[0], action)(**options)
+    assert made != grids[0] and bitvox.dumps(made, "bvx") == (tmp_path / "c.bvx").read_bytes()
+
+
+def test_distances(tmp_path, grids):
+    program("morph", "distance", tmp_path / "a.bvx", "-o", tmp_path / "d.npy", "--side", "signed", "--beyond", "empty", "--value-type", "f64")
+    mine = grids[0].distance("signed", beyond="empty", dtype="float64")
+    theirs = bitvox.read_volume(tmp_path / "d.npy").array
+    assert mine.min() < 0 < mine.max() and (mine == theirs).all() and theirs.dtype == "f8"
+
+
+@pytest.mark.parametrize("operation, combined", [("union", "__or__"), ("intersection", "__and__"), ("difference", "__sub__"), ("xor", "__xor__")])
+def test_boolean(tmp_path, grids, operation, combined):
+    a, b = grids
+    program("boolean", operation, tmp_path / "a.bvx", tmp_path / "b.bvx", "-o", tmp_path / "c.bvx")
+    assert bitvox.dumps(getattr(a, combined)(b), "bvx") == (tmp_path / "c.bvx").read_bytes()
+    other = bitvox.Mesh(bitvox.read(KNOT).vertices + [0.3, 0.2, 0.1], bitvox.read(KNOT).faces)
+    other.save(tmp_path / "other.ply")
+    program("boolean", operation, KNOT, tmp_path / "other.ply", "-o", tmp_path / "c.ply", "--resolution", 50, "--fill", "nonzero")
+    mesh = bitvox.boolean(KNOT, tmp_path / "other.ply", operation, resolution=50, fill="nonzero")
+    assert mesh.n_faces > 0 and bitvox.dumps(mesh, "ply") == (tmp_path / "c.ply").read_bytes()
+
+
+def test_volume(tmp_path, grids):
+    near = grids[0].distance("signed")
+    values = (near * 1000).astype("<i2")
+    values.T.tofile(tmp_path / "a.raw")
+    words = [tmp_path / "a.raw", "--shape", ",".join(map(str, values.shape)), "--sample-type", "i16", "--voxel-size", "0.5,0.5,1"]
+    volume = bitvox.read_volume(tmp_path / "a.raw", shape=values.shape, dtype="<i2", spacing=(0.5, 0.5, 1))
+    assert (volume.array == values).all()
+    program("voxelize", *words, "-o", tmp_path / "b.bvx", "--range=-200,-50")
+    assert bitvox.dumps(volume.threshold(-200, -50), "bvx") == (tmp_path / "b.bvx").read_bytes() and volume.report.inside > 0
+    program("voxelize", *words, "-o", tmp_path / "b.ply", "--level", 20, "--below")
+    assert bitvox.dumps(volume.surface(20, below=True), "ply") == (tmp_path / "b.ply").read_bytes()

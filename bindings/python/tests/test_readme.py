@@ -20,12 +20,12 @@ def pieces(path=README):
 
 def test_recipes_are_numbered():
     numbers = [int(n) for n in re.findall(r"^### (\d+)\. ", README.read_text(encoding="utf-8"), flags=re.M)]
-    assert numbers == list(range(1, len(numbers) + 1)) and len(numbers) >= 13 and len(pieces()) == len(numbers) + 1
+    assert numbers == list(range(1, len(numbers) + 1)) and len(numbers) >= 16 and len(pieces()) == len(numbers) + 1
 
 
 def test_every_stage_has_a_recipe():
     shown = set(re.findall(r"\b(?:bitvox|formats)\.(\w+)\(", "".join(pieces())))
-    assert {"voxelize", "lod", "repair", "refine", "field", "from_sections", "slice_mesh", "check", "read", "render"} <= shown
+    assert {"voxelize", "lod", "repair", "refine", "field", "from_sections", "slice_mesh", "check", "read", "render", "boolean", "read_volume", "Volume"} <= shown
 
 
 @pytest.mark.parametrize("number", range(len(pieces())))

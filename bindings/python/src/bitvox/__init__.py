@@ -58,11 +58,9 @@ from ._stages import (
     surface_counts,
     voxelize,
 )
-
-from ._volume import Volume, read_volume
 from ._trimesh import register as register_with_trimesh
 from ._trimesh import register_if_there as _register_if_there
-
+from ._volume import Volume, read_volume
 
 
 def __getattr__(name: str) -> Any:
@@ -80,7 +78,8 @@ _register_if_there()
 __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
-    "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean", "carry", "check", "compare",
-    "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets", "find_seed", "from_sections", "loads", "lod",
-    "merge", "read", "read_volume", "refine", "register_with_trimesh", "render", "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "write",
+    "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean",
+    "carry", "check", "compare", "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
+    "find_seed", "from_sections", "loads", "lod", "merge", "read", "read_volume", "refine", "register_with_trimesh", "render",
+    "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "write",
 ]

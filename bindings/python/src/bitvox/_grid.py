@@ -412,18 +412,19 @@ class Grid:
 
     # ---- growing, shrinking, distances ----
 
-    def _morphed(self, name: str, steps: int, neighbourhood: int, radius: float | None, beyond: bool) -> Grid:
+    def _morphed(self, operation: Any, steps: int, neighbourhood: int, radius: float | None, beyond: bool, *limits: Any) -> Grid:
         options = options_of("morph_options")
         options.neighbourhood = neighbourhood if radius is None else 0
         options.steps = steps
         options.radius = 0.0 if radius is None else radius
         options.beyond = int(beyond)
         made = new_grid()
-        with Run() as run:
-            run.check(getattr(lib, name)(run.context, self._c, options, made))
+        with Run(*limits) as run:
+            run.check(operation(run.context, self._c, options, made))
         return Grid._made(made)
 
-    def dilate(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
+    def dilate(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False,
+               threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """Voxels that have a set one among their neighbours, or within a ball.
 
         All is done as in unbounded space and cut to the window; padding of the lattice makes room.
@@ -434,22 +435,37 @@ class Grid:
             radius: of a ball in place of the neighbourhood; centres at most so far count [world].
             beyond: True when voxels beyond the window count as set.
         """
-        return self._morphed("bvx_grid_dilate", steps, neighbourhood, radius, beyond)
+        return self._morphed(lib.bvx_grid_dilate, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
 
-    def erode(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
-        """Voxels that have no empty one among their neighbours, or within a ball; arguments as for `dilate`."""
-        return self._morphed("bvx_grid_erode", steps, neighbourhood, radius, beyond)
+    def erode(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False,
+              threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
+        """Voxels that have no empty one among their neighbours, or within a ball.
 
-    def open(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
-        """Eroded, then dilated: without what is too thin; a part of the grid. Arguments as for `dilate`."""
-        return self._morphed("bvx_grid_open", steps, neighbourhood, radius, beyond)
+        Args:
+            steps, neighbourhood, radius, beyond: as for `dilate`.
+        """
+        return self._morphed(lib.bvx_grid_erode, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
 
-    def close(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Grid:
-        """Dilated, then eroded: with small gaps filled; the grid is a part of it. Arguments as for `dilate`."""
-        return self._morphed("bvx_grid_close", steps, neighbourhood, radius, beyond)
+    def open(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False,
+             threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
+        """Eroded, then dilated: without what is too thin; a part of the grid.
+
+        Args:
+            steps, neighbourhood, radius, beyond: as for `dilate`.
+        """
+        return self._morphed(lib.bvx_grid_open, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
+
+    def close(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False,
+              threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
+        """Dilated, then eroded: with small gaps filled; the grid is a part of it.
+
+        Args:
+            steps, neighbourhood, radius, beyond: as for `dilate`.
+        """
+        return self._morphed(lib.bvx_grid_close, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
 
     def hollow(self, thickness: float, *, drain: float = 0.0, drain_side: str = "z-low", drain_at: Sequence[float] | None = None,
-               beyond: bool = False) -> Grid:
+               beyond: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """A shell of the body: its outer surface stays, voxels deeper than ``thickness`` become empty.
 
         Args:
@@ -472,12 +488,12 @@ class Grid:
             options.drain_at[0], options.drain_at[1] = drain_at
         options.report = report
         made = new_grid()
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_hollow(run.context, self._c, options, made))
         return Grid._made(made, record(report))
 
     def distance(self, side: str = "outside", *, beyond: str = "nothing", dtype: str = "float32", squares: bool = False,
-                 nearest: bool = False) -> Any:
+                 nearest: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Exact Euclidean distances between centres of voxels, an array ``[x, y, z]`` in memory with x running fastest.
 
         Args:
@@ -500,7 +516,7 @@ class Grid:
         places = np.empty(self.shape[::-1], np.uint64) if nearest else None
         if places is not None:
             options.nearest = ffi.cast("uint64_t *", places.ctypes.data)
-        with Run() as run:
+        with Run(threads, memory_limit, progress) as run:
             if squares:
                 run.check(lib.bvx_grid_distance_squares(run.context, self._c, options, ffi.cast("uint32_t *", values.ctypes.data), values.size))
             else:

@@ -98,7 +98,11 @@ class Volume:
         return tuple(self._c.lattice.spacing)  # type: ignore[return-value]
 
     def window(self, window: WindowLike) -> Volume:
-        """A part of it, counted from its own first sample; it keeps its place on the lattice. No copy."""
+        """A part of it, which keeps its place on the lattice. No copy.
+
+        Args:
+            window: (low, size) or (x0, y0, z0, x1, y1, z1), counted from the volume's own first sample.
+        """
         box = ffi.new("bvx_window *")
         set_window("window", box, window)
         part = tuple(slice(a, a + n) for a, n in zip(box.low, box.size))
@@ -123,11 +127,11 @@ class Volume:
         self.report = record(report)
         return Grid._made(grid, self.report)
 
-    def label(self, value: int, **limits: Any) -> Grid:
-        """The voxels of a label; ``threads``, ``memory_limit`` and ``progress`` as for `threshold`."""
+    def label(self, value: int, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
+        """The voxels of a label: those whose sample is ``value``."""
         if abs(in_range("value", value, -(2**63), 2**64 - 1)) > 2**53:
             raise ArgumentError(f"value is {value}; labels beyond 2**53 cannot be chosen")
-        return self.threshold(float(value), float(value), **limits)
+        return self.threshold(float(value), float(value), threads=threads, memory_limit=memory_limit, progress=progress)
 
     def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Any]:
         """The values other than 0 of whole-number samples, ascending, each with its voxels and their box in the window."""
@@ -183,7 +187,7 @@ def bvxpy_inflate(user: Any, packed: Any, packed_size: int, plain: Any, plain_si
     out, made, view = ffi.buffer(plain, plain_size), 0, memoryview(data)
     try:
         for at in range(0, packed_size, 1 << 20):
-            rest = view[at : at + (1 << 20)]
+            rest: Any = view[at : at + (1 << 20)]
             while rest and not unpacker.eof:
                 piece = unpacker.decompress(rest, min(1 << 24, plain_size - made + 1))
                 if made + len(piece) > plain_size:
@@ -215,7 +219,8 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     """Read a volume's samples from a file.
 
     Args:
-        path: .nrrd, .nhdr (raw, ascii or gzip; its data files are looked for beside it), .npy, .vti or .raw, each also as .gz.
+        path: .nrrd, .nhdr (raw, ascii or gzip; its data files are looked for beside it), .npy, .vti or .raw, each also as .gz; with
+            ``bitvox[medical]`` .nii, .nii.gz, and the folder of a DICOM series, for which `bitvox.formats` has more choices.
         format: one of these endings, in place of the name's own.
         shape, dtype, offset: of .raw: samples along x, y, z (x runs fastest), their numpy type with its byte order, and the bytes
             before the first.
@@ -228,7 +233,13 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
 
     np = arrays.numpy("read_volume")
     path = os.fspath(path)
-    kind = _format_of(path, format)
+    kind = "dcm" if format is None and os.path.isdir(path) else _format_of(path, format)
+    if kind in ("nii", "dcm"):
+        if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
+            raise ArgumentError(f"{path}: the file tells shape, dtype, spacing and corner itself")
+        from . import formats
+
+        return formats.read_nifti_volume(path) if kind == "nii" else formats.read_dicom_volume(path)
     if kind not in VOLUME_FORMATS:
         raise ArgumentError(f"{path}: format {kind!r} holds no volume; {', '.join(VOLUME_FORMATS)} do")
     options = options_of("read_volume_options")

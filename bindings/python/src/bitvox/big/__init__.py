@@ -3,9 +3,12 @@
     volume = bitvox.big.voxelize("dragon.ply", resolution=2048, chunks=512)     # nothing is computed yet
     mesh = bitvox.big.surface(volume)                                           # the bytes of a single run
     bitvox.big.to_zarr(volume, "dragon.zarr")                                   # OME-Zarr, one shard a task
+    shell = volume - volume.erode(radius=0.5)                                   # also dilate, open, close, hollow, |, &, ^, ~
+    near = volume.distance(2.0, "signed")                                       # a Dask array, exact up to 2.0
+    coarse = volume.downsample(4, "majority")
 
 Chunks are windows of one lattice, and a window holds the bits of the whole there; so nothing depends on how the work was cut,
-on who did it or on how often it was tried. `plan` gives the same work as a list of picklable tasks, for Ray or a batch queue.
+on who did it or on how often it was tried. What looks at neighbours gets a halo of their voxels, as wide as it looks. `plan` gives the same work as a list of picklable tasks, for Ray or a batch queue.
 Needs ``bitvox[big]`` (dask, zarr); `plan` needs neither.
 """
 

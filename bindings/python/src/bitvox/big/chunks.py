@@ -59,10 +59,16 @@ class Chunks:
                 sides.append(_SIDES[axis][1])
         return Window(low, tuple(grown)), sides  # type: ignore[arg-type]
 
-    def upper(self, index: Index) -> list[Index]:
-        """The chunk ``index`` and those that hold the layer beyond its high sides."""
-        steps = [(0, 1) if index[a] + 1 < self.counts[a] else (0,) for a in range(3)]
-        return [tuple(i + s for i, s in zip(index, step)) for step in itertools.product(*steps)]  # type: ignore[misc]
+    def grown(self, index: Index, margin: Sequence[int]) -> Window:
+        """The voxels of the chunk ``index`` and ``margin`` more along x, y, z on either side, as far as the lattice goes."""
+        low, size = self.window(index)
+        first = [max(0, a - m) for a, m in zip(low, margin)]
+        return Window(tuple(first), tuple(min(a + n + m, end) - b for a, n, m, b, end in zip(low, size, margin, first, self.lattice.shape)))  # type: ignore[arg-type]
+
+    def over(self, window: Window) -> list[Index]:
+        """Indices of the chunks that have voxels in a window, x fastest."""
+        spans = [range(a // n, (a + m - 1) // n + 1) for a, m, n in zip(window.low, window.size, self.size)]
+        return [(x, y, z) for z, y, x in itertools.product(*spans[::-1])]
 
     def __reduce__(self) -> Any:
         return Chunks, (self.lattice, self.size)
@@ -71,33 +77,28 @@ class Chunks:
         return f"Chunks({' x '.join(map(str, self.counts))} of {' x '.join(map(str, self.size))})"
 
 
+def overlap(a: Window, b: Window) -> Window | None:
+    """What two windows share."""
+    low = [max(p, q) for p, q in zip(a.low, b.low)]
+    size = [min(p + m, q + n) - o for p, m, q, n, o in zip(a.low, a.size, b.low, b.size, low)]
+    return Window(tuple(low), tuple(size)) if min(size) > 0 else None  # type: ignore[arg-type]
+
+
 def join(lattice: Lattice, window: Window, parts: Sequence[Grid]) -> Grid:
-    """The bits of a window from grids that cover it; words are copied where rows begin at the same bit, else bits."""
+    """The bits of a window from grids that cover it, which may overlap. A part is cropped so that its rows begin where words of the
+    result do; then words are put together."""
     made = Grid(lattice, window)
     np = arrays.numpy("bitvox.big")
-    target, bits = made._words(writable=True), None
-    high = [a + n for a, n in zip(window.low, window.size)]
+    target = made._words(writable=True)
     for part in parts:
         if part.lattice != lattice:
             raise LatticeError("a part is of another lattice")
-        low = [max(a, b) for a, b in zip(window.low, part.low)]
-        top = [min(a, b + n) for a, b, n in zip(high, part.low, part.shape)]
-        if any(a >= b for a, b in zip(low, top)):
+        shared = overlap(window, Window(part.low, part.shape))
+        if shared is None:
             continue
-        (x, y, z), (px, py, pz) = (tuple(a - b for a, b in zip(low, o)) for o in (window.low, part.low))
-        nx, ny, nz = (b - a for a, b in zip(low, top))
-        if x % 64 == 0 and px % 64 == 0:
-            words = (nx + 63) // 64
-            found = part.words[pz : pz + nz, py : py + ny, px // 64 : px // 64 + words]
-            place = target[z : z + nz, y : y + ny, x // 64 : x // 64 + words]
-            if nx % 64:
-                found = found.copy()
-                found[..., -1] &= np.uint64((1 << nx % 64) - 1)
-            np.bitwise_or(place, found, out=place)
-            continue
-        if bits is None:
-            bits = np.zeros(window.size[::-1], np.bool_)
-        bits[z : z + nz, y : y + ny, x : x + nx] |= part.to_numpy("zyx")[pz : pz + nz, py : py + ny, px : px + nx]
-    if bits is not None:
-        made = made | Grid.from_numpy(bits, order="zyx", lattice=lattice, low=window.low)
+        x, y, z = (a - b for a, b in zip(shared.low, window.low))
+        (low_x, *low), (nx, ny, nz) = shared
+        words = part.crop(((low_x - x % 64, *low), (nx + x % 64, ny, nz))).words
+        place = target[z : z + nz, y : y + ny, x // 64 : x // 64 + words.shape[2]]
+        np.bitwise_or(place, words, out=place)
     return made

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import math
+import operator
 from typing import Any, Callable, Sequence
 
 from .. import _arrays as arrays
 from .._errors import ArgumentError, need
-from .._grid import Grid
+from .._grid import Grid, triple_of
 from .._lattice import Lattice, Window
 from .._mesh import Mesh
+from .._run import settings
 from .._stages import merge
 from .._stages import surface as whole_surface
-from .chunks import Chunks, Index, join
+from .chunks import Chunks, Index, join, overlap
 from .plan import check_options, load, one_type, place_chunks, source_of, split_place, voxelize_window
 
 
 class Volume:
     """A grid in chunks, nothing of it computed before it is asked for.
+
+    Operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``, ``~a``, of volumes that share lattice and chunks (see `rechunk`). All
+    methods give the bits and numbers of a single run, whatever the chunks are.
 
     Attributes:
         chunks: the `Chunks` of its lattice.
@@ -41,14 +47,8 @@ class Volume:
     @property
     def array(self) -> Any:
         """A Dask array of bool [x, y, z] whose chunks are those of the volume."""
-        da, np = need("dask.array", "big"), arrays.numpy("bitvox.big")
-        delayed = need("dask", "big").delayed(_as_array, pure=True)
-        nx, ny, nz = self.chunks.counts
-
-        def one(index: Index) -> Any:
-            return da.from_delayed(delayed(self.blocks[index]), self.chunks.window(index).size, np.bool_)
-
-        return da.block([[[one((x, y, z)) for z in range(nz)] for y in range(ny)] for x in range(nx)])
+        made = need("dask", "big").delayed(_as_array, pure=True)
+        return _dask_array(self.chunks, {i: made(block) for i, block in self.blocks.items()}, "bool")
 
     def count(self) -> int:
         """Set voxels; computes."""
@@ -60,18 +60,214 @@ class Volume:
         parts = need("dask", "big").compute(*self.blocks.values())
         return join(self.lattice, Window((0, 0, 0), self.lattice.shape), parts)
 
+    def rechunk(self, chunks: int | Sequence[int]) -> Volume:
+        """The same voxels in other ``chunks``: voxels along each axis, one number or three."""
+        cut, made = Chunks(self.lattice, chunks), need("dask", "big").delayed(join, pure=True)
+        return Volume(cut, {i: made(self.lattice, cut.window(i), _parts(self, cut.window(i))) for i in cut})
+
+    # ---- set algebra ----
+
     def map(self, function: Callable[..., Grid], *others: Volume) -> Volume:
         """A volume of ``function(grid, ...)`` of each chunk and of the same chunk of ``others``, for local operations:
         ``a.map(operator.or_, b)``."""
         dask = need("dask", "big")
         for other in others:
             if (other.lattice, other.chunks.size) != (self.lattice, self.chunks.size):
-                raise ArgumentError("volumes do not share lattice and chunks")
+                raise ArgumentError("volumes do not share lattice and chunks; rechunk gives one the chunks of the other")
         made = dask.delayed(function, pure=True)
         return Volume(self.chunks, {i: made(block, *(o.blocks[i] for o in others)) for i, block in self.blocks.items()})
 
+    def __or__(self, other: Any) -> Volume:
+        return self.map(operator.or_, other) if isinstance(other, Volume) else NotImplemented
+
+    def __and__(self, other: Any) -> Volume:
+        return self.map(operator.and_, other) if isinstance(other, Volume) else NotImplemented
+
+    def __sub__(self, other: Any) -> Volume:
+        return self.map(operator.sub, other) if isinstance(other, Volume) else NotImplemented
+
+    def __xor__(self, other: Any) -> Volume:
+        return self.map(operator.xor, other) if isinstance(other, Volume) else NotImplemented
+
+    def __invert__(self) -> Volume:
+        return self.map(operator.invert)
+
+    # ---- growing, shrinking, distances: each chunk with a halo of its neighbours' voxels ----
+
+    def around(self, function: Callable[..., Grid], margin: int | Sequence[int], *arguments: Any) -> Volume:
+        """A volume of ``function(grid, *arguments)``, for operations that look at neighbours.
+
+        Args:
+            function: takes a chunk with a halo, a `Grid` of a larger window; what it returns is cut to the chunk.
+            margin: voxels of the halo on either side, one number or three; the lattice's own sides end it.
+            arguments: handed on as they are.
+        """
+        made, halo = need("dask", "big").delayed(_around, pure=True), _margin(margin)
+        return Volume(self.chunks, {i: made(function, arguments, self.lattice, self.chunks.grown(i, halo), self.chunks.window(i),
+                                            _parts(self, self.chunks.grown(i, halo))) for i in self.chunks})
+
+    def _morphed(self, name: str, times: int, steps: int, **options: Any) -> Volume:
+        one = Grid(self.lattice, ((0, 0, 0), (1, 1, 1)))
+        one.dilate(steps, **options)  # what is wrong with the options is said at once
+        radius = options["radius"]
+        reach = (steps,) * 3 if radius is None else _reach(self.lattice, radius)
+        return self.around(_morph, [times * n for n in reach], name, (steps,), options)
+
+    def dilate(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
+        """`Grid.dilate` of the whole, with a halo of ``steps`` voxels, or of the ``radius``, around each chunk.
+
+        Args:
+            steps, neighbourhood, radius, beyond: as for `Grid.dilate`; ``beyond`` the lattice, that is.
+        """
+        return self._morphed("dilate", 1, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
+
+    def erode(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
+        """`Grid.erode` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` and halo as for `dilate`."""
+        return self._morphed("erode", 1, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
+
+    def open(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
+        """`Grid.open` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` as for `dilate`, with twice its halo."""
+        return self._morphed("open", 2, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
+
+    def close(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
+        """`Grid.close` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` as for `dilate`, with twice its halo."""
+        return self._morphed("close", 2, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
+
+    def hollow(self, thickness: float, *, beyond: bool = False) -> Volume:
+        """`Grid.hollow` of the whole, without a drain hole, which would have to look at all of it; the halo is the thickness.
+
+        Args:
+            thickness, beyond: as for `Grid.hollow`.
+        """
+        Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).hollow(thickness)
+        return self.around(_morph, _reach(self.lattice, thickness), "hollow", (thickness,), {"beyond": beyond})
+
+    def distance(self, limit: float, side: str = "outside", *, beyond: str = "nothing", dtype: str = "float32") -> Any:
+        """A Dask array [x, y, z] of the distances of `Grid.distance`, exact up to a limit; what is farther is as far as the limit.
+
+        A task sees its chunk and a halo of the limit, so it costs memory: a chunk of 256 with a limit of 64 voxels holds 384^3
+        numbers for a while.
+
+        Args:
+            limit: largest distance that is told apart; above 0, and infinite only where one task may see the whole [world].
+            side, beyond, dtype: as for `Grid.distance`; ``beyond`` the lattice, that is. "signed": from -limit to limit.
+        """
+        if not limit > 0:
+            raise ArgumentError(f"limit is {limit}; it must be above 0")
+        Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).distance(side, beyond=beyond, dtype=dtype)
+        made, halo = need("dask", "big").delayed(_distances, pure=True), _reach(self.lattice, limit)
+        blocks = {}
+        for index in self.chunks:
+            wide = self.chunks.grown(index, halo)
+            blocks[index] = made(self.lattice, wide, self.chunks.window(index), _parts(self, wide), limit,
+                                 (side,), {"beyond": beyond, "dtype": dtype})
+        return _dask_array(self.chunks, blocks, dtype)
+
+    # ---- fewer, larger voxels ----
+
+    def _blocks(self, factor: Any, rule: str) -> tuple[Chunks, dict[Index, Window], tuple[int, ...]]:
+        """The cut lattice of the result, for each of its chunks the window that it is made of, and the factors."""
+        by = tuple(triple_of(factor))
+        made = Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).downsample(by, rule)
+        cut, windows = Chunks(made.lattice, [-(-n // f) for n, f in zip(self.chunks.size, by)]), {}
+        for index in cut:
+            low, size = cut.window(index)
+            begin = tuple(a * f for a, f in zip(low, by))
+            windows[index] = Window(begin, tuple(min(n * f, end - a) for n, f, a, end in zip(size, by, begin, self.shape)))  # type: ignore[arg-type]
+        return cut, windows, by
+
+    def downsample(self, factor: Any, rule: str = "any") -> Volume:
+        """`Grid.downsample` of the whole; chunks keep their size in the world, rounded up to whole blocks.
+
+        Args:
+            factor, rule: as for `Grid.downsample`.
+        """
+        cut, windows, by = self._blocks(factor, rule)
+        made = need("dask", "big").delayed(_downsampled, pure=True)
+        return Volume(cut, {i: made(self.lattice, window, _parts(self, window), by, rule) for i, window in windows.items()})
+
+    def coverage(self, factor: Any) -> Any:
+        """`Grid.coverage` of the whole: a Dask array [x, y, z] of uint32, in chunks as those of `downsample`.
+
+        Args:
+            factor: as for `Grid.coverage`.
+        """
+        cut, windows, by = self._blocks(factor, "any")
+        made = need("dask", "big").delayed(_coverage, pure=True)
+        return _dask_array(cut, {i: made(self.lattice, window, _parts(self, window), by) for i, window in windows.items()}, "uint32")
+
     def __repr__(self) -> str:
         return f"Volume({self.chunks!r})"
+
+
+# ---- windows of a volume ----
+
+
+def _crop(grid: Grid, window: Window) -> Grid:
+    return grid.crop(window)
+
+
+def _parts(volume: Volume, window: Window) -> list[Any]:
+    """Delayed grids that cover a window: chunks that lie in it, and of the others the part that is needed, so that no more travels."""
+    cropped, made = need("dask", "big").delayed(_crop, pure=True), []
+    for index in volume.chunks.over(window):
+        own = volume.chunks.window(index)
+        shared = overlap(own, window)
+        made.append(volume.blocks[index] if shared == own else cropped(volume.blocks[index], shared))
+    return made
+
+
+def _margin(margin: int | Sequence[int]) -> tuple[int, int, int]:
+    found = tuple(triple_of(margin, "margin"))
+    if min(found) < 0:
+        raise ArgumentError(f"margin is {margin}; it must be 0 or more")
+    return found  # type: ignore[return-value]
+
+
+def _reach(lattice: Lattice, radius: float) -> tuple[int, ...]:
+    """Voxels along each axis that a length reaches, and one to spare for its rounding."""
+    return tuple(int(min(n, math.floor(min(radius / s, n)) + 1)) for n, s in zip(lattice.shape, lattice.spacing))
+
+
+def _dask_array(cut: Chunks, blocks: dict[Index, Any], dtype: Any) -> Any:
+    """A Dask array of delayed arrays, one a chunk."""
+    da, np = need("dask.array", "big"), arrays.numpy("bitvox.big")
+    nx, ny, nz = cut.counts
+
+    def one(index: Index) -> Any:
+        return da.from_delayed(blocks[index], cut.window(index).size, np.dtype(dtype))
+
+    return da.block([[[one((x, y, z)) for z in range(nz)] for y in range(ny)] for x in range(nx)])
+
+
+# ---- what tasks do, by one thread each: the engine runs many of them beside one another ----
+
+
+def _around(function: Callable[..., Grid], arguments: Any, lattice: Lattice, wide: Window, window: Window, parts: Sequence[Grid]) -> Grid:
+    with settings(threads=1):
+        return function(join(lattice, wide, parts), *arguments).crop(window)
+
+
+def _morph(grid: Grid, name: str, arguments: Any, options: dict[str, Any]) -> Grid:
+    made: Grid = getattr(grid, name)(*arguments, **options)
+    return made
+
+
+def _distances(lattice: Lattice, wide: Window, window: Window, parts: Sequence[Grid], limit: float, arguments: Any, options: dict[str, Any]) -> Any:
+    np = arrays.numpy("bitvox.big")
+    with settings(threads=1):
+        values = join(lattice, wide, parts).distance(*arguments, **options)
+    inner = values[tuple(slice(a - b, a - b + n) for a, b, n in zip(window.low, wide.low, window.size))]
+    most = inner.dtype.type(limit)
+    return np.clip(inner, -most, most)
+
+
+def _downsampled(lattice: Lattice, window: Window, parts: Sequence[Grid], factor: Any, rule: str) -> Grid:
+    return join(lattice, window, parts).downsample(factor, rule)
+
+
+def _coverage(lattice: Lattice, window: Window, parts: Sequence[Grid], factor: Any) -> Any:
+    return join(lattice, window, parts).coverage(factor)
 
 
 def _as_array(grid: Grid) -> Any:
@@ -86,11 +282,6 @@ def _part(chunks: Chunks, index: Index, options: dict[str, Any], *grids: Grid) -
     """A chunk's part of the surface from its grid and those beyond its high sides."""
     window, sides = chunks.cells(index)
     return whole_surface(join(chunks.lattice, window, grids), keys=True, open_sides=sides, **{"threads": 1, **options})
-
-
-def _layer(grid: Grid, low: tuple[int, int, int], size: tuple[int, int, int]) -> Grid:
-    """The part of a chunk that its neighbour needs, so that no more than that travels."""
-    return join(grid.lattice, Window(low, size), [grid])
 
 
 def voxelize(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequence[int] = 512, **options: Any) -> Volume:
@@ -157,19 +348,5 @@ def surface(volume: Volume, *, face_rule: str = "separate", dtype: Any = None, l
 def surface_parts(volume: Volume, **options: Any) -> list[Any]:
     """The parts of a surface as delayed meshes with keys, one a chunk, for `bitvox.merge`."""
     dask = need("dask", "big")
-    chosen = one_type(volume.lattice, options)
-    part, layer = dask.delayed(_part, pure=True), dask.delayed(_layer, pure=True)
-    cut, made = volume.chunks, []
-    for index in cut:
-        window, _ = cut.cells(index)
-        grids = []
-        for beside in cut.upper(index):
-            block = volume.blocks[beside]
-            if beside != index:
-                low, size = cut.window(beside)
-                top = [min(a + n, b + m) for a, n, b, m in zip(window.low, window.size, low, size)]
-                first = [max(a, b) for a, b in zip(window.low, low)]
-                block = layer(block, tuple(first), tuple(b - a for a, b in zip(first, top)))
-            grids.append(block)
-        made.append(part(cut, index, chosen, *grids))
-    return made
+    part, chosen, cut = dask.delayed(_part, pure=True), one_type(volume.lattice, options), volume.chunks
+    return [part(cut, index, chosen, *_parts(volume, cut.cells(index)[0])) for index in cut]

@@ -2,8 +2,8 @@
 
 | files | functions | extra |
 |---|---|---|
-| NIfTI volumes and masks | `read_nifti`, `write_nifti` | ``bitvox[medical]`` (nibabel) |
-| DICOM series, RTSTRUCT contours | `read_dicom`, `read_rtstruct`, `bitvox.from_sections` | ``bitvox[medical]`` (pydicom) |
+| NIfTI volumes and masks | `read_nifti`, `read_nifti_volume`, `write_nifti` | ``bitvox[medical]`` (nibabel) |
+| DICOM series, RTSTRUCT contours | `read_dicom`, `read_dicom_volume`, `read_rtstruct`, `bitvox.from_sections` | ``bitvox[medical]`` (pydicom) |
 | stacks of slice images | `read_images`, `write_images` | ``bitvox[formats]`` (Pillow) |
 | DXF polylines | `read_dxf`, `bitvox.from_sections` | ``bitvox[geo]`` (ezdxf) |
 | 3MF, GLB, DAE ... meshes | `bitvox.read` | ``bitvox[formats]`` (trimesh) |
@@ -11,10 +11,11 @@
 """
 
 from .amf import read_amf
-from .dicom import read_dicom, read_rtstruct
+from .dicom import read_dicom, read_dicom_volume, read_rtstruct
 from .dxf import read_dxf
 from .images import read_images, write_images
-from .nifti import read_nifti, write_nifti
+from .nifti import read_nifti, read_nifti_volume, write_nifti
 from .other import read_other
 
-__all__ = ["read_amf", "read_dicom", "read_dxf", "read_images", "read_nifti", "read_other", "read_rtstruct", "write_images", "write_nifti"]
+__all__ = ["read_amf", "read_dicom", "read_dicom_volume", "read_dxf", "read_images", "read_nifti", "read_nifti_volume", "read_other",
+           "read_rtstruct", "write_images", "write_nifti"]

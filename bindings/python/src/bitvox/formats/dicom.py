@@ -9,6 +9,7 @@ from .. import _arrays as arrays
 from .._errors import EmptyError, FormatError, UnsupportedError, need
 from .._grid import Grid
 from .._sections import Loop, Sections
+from .._volume import Volume
 from ._values import choose
 
 
@@ -22,12 +23,23 @@ def _files(source: Any) -> list[str]:
 
 
 def read_dicom(source: Any, *, threshold: Any = None, labels: Any = None, series: str | None = None) -> Grid:
-    """A grid from a DICOM series, in the patient's millimetres (x to the left, y to the back, z to the head).
+    """A grid from a DICOM series.
+
+    Args:
+        source, series: as for `read_dicom_volume`, which also tells what is refused.
+        threshold: values above it are set; (low, high): from low to high.
+        labels: values that are set. Without either, all values other than 0.
+    """
+    volume = read_dicom_volume(source, series=series)
+    return Grid.from_numpy(choose(volume.array, threshold, labels), lattice=volume.lattice)
+
+
+def read_dicom_volume(source: Any, *, series: str | None = None) -> Volume:
+    """The samples of a DICOM series after slope and intercept (Hounsfield units of CT), in the patient's millimetres (x to the left,
+    y to the back, z to the head).
 
     Args:
         source: a folder, or the files of the slices in any order. Files that hold no picture are passed over.
-        threshold: values (after slope and intercept: Hounsfield units of CT) above it are set; (low, high): from low to high.
-        labels: values that are set. Without either, all values other than 0.
         series: SeriesInstanceUID, when the files are of several.
 
     Raises:
@@ -67,7 +79,7 @@ def read_dicom(source: Any, *, threshold: Any = None, labels: Any = None, series
     values = np.stack([_values(s, np) for s in slices])  # [slice, row, column]
     between_rows, between_columns = map(float, first.PixelSpacing)
     axes = [(normal, step), (columns, between_rows), (rows, between_columns)]
-    return _placed(values, axes, np.array(slices[0].ImagePositionPatient, float), threshold, labels)
+    return _placed(values, axes, np.array(slices[0].ImagePositionPatient, float))
 
 
 def _values(one: Any, np: Any) -> Any:
@@ -78,7 +90,7 @@ def _values(one: Any, np: Any) -> Any:
     return values if slope == 1.0 and intercept == 0.0 else values * slope + intercept
 
 
-def _placed(values: Any, axes: Sequence[tuple[Any, float]], center: Any, threshold: Any, labels: Any) -> Grid:
+def _placed(values: Any, axes: Sequence[tuple[Any, float]], center: Any) -> Volume:
     """Turn [slice, row, column] so that axes run along +x, +y, +z of the patient."""
     np = arrays.numpy("DICOM")
     order, spacing = [-1, -1, -1], [0.0, 0.0, 0.0]
@@ -91,7 +103,7 @@ def _placed(values: Any, axes: Sequence[tuple[Any, float]], center: Any, thresho
             values = np.flip(values, i)
             center = center + direction * step * (values.shape[i] - 1)
     corner = [c - 0.5 * s for c, s in zip(center, spacing)]
-    return Grid.from_numpy(choose(values, threshold, labels).transpose(order), spacing=spacing, corner=corner)
+    return Volume(values.transpose(order), spacing=spacing, corner=corner)
 
 
 def is_picture(path: str | os.PathLike[str]) -> bool:

@@ -8,16 +8,15 @@ from typing import Any
 from .. import _arrays as arrays
 from .._errors import UnsupportedError, need
 from .._grid import Grid
+from .._volume import Volume
 from ._values import choose
 
 
-def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: Any = None, index: int | None = None) -> Grid:
-    """A grid from a NIfTI volume or mask, in the file's world (usually millimetres, x to the right, y forward, z up).
+def read_nifti_volume(path: str | os.PathLike[str], *, index: int | None = None) -> Volume:
+    """The samples of a NIfTI volume, in the file's world (usually millimetres, x to the right, y forward, z up).
 
     Args:
         path: .nii or .nii.gz.
-        threshold: values above it are set; (low, high): from low to high. labels: values (one or several) that are set.
-            Without either, all values other than 0.
         index: which volume of a series of them.
 
     Raises:
@@ -36,7 +35,19 @@ def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: A
         values = values[..., 0]
     if values.ndim != 3:
         raise UnsupportedError(f"{os.fspath(path)} has shape {values.shape}; give index for one of its volumes")
-    return Grid.from_numpy(choose(values, threshold, labels), spacing=spacing, corner=affine[:3, 3] - 0.5 * spacing)
+    return Volume(values, spacing=spacing, corner=affine[:3, 3] - 0.5 * spacing)
+
+
+def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: Any = None, index: int | None = None) -> Grid:
+    """A grid from a NIfTI volume or mask.
+
+    Args:
+        path, index: as for `read_nifti_volume`, which also tells what is refused.
+        threshold: values above it are set; (low, high): from low to high. labels: values (one or several) that are set.
+            Without either, all values other than 0.
+    """
+    volume = read_nifti_volume(path, index=index)
+    return Grid.from_numpy(choose(volume.array, threshold, labels), lattice=volume.lattice)
 
 
 def write_nifti(grid: Grid, path: str | os.PathLike[str]) -> None:

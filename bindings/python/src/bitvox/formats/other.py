@@ -16,7 +16,7 @@ _OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml", "xyz")
 def read_other(path: str, kind: str) -> Any:
     """What `bitvox.read` does with a ``path`` of a ``kind`` (its ending) that the library itself does not read."""
     if kind == "nii":
-        raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_nifti(path, threshold=...) is told so")
+        raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_nifti(path, threshold=...) is told so; bitvox.read_volume gives the samples")
     if kind == "dxf":
         from .dxf import read_dxf
 
@@ -25,7 +25,7 @@ def read_other(path: str, kind: str) -> Any:
         from .dicom import is_picture, read_rtstruct
 
         if is_picture(path):
-            raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_dicom(folder, threshold=...) is told so")
+            raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_dicom(folder, threshold=...) is told so; bitvox.read_volume gives the samples")
         return read_rtstruct(path)
     if kind == "amf":
         from .amf import read_amf
