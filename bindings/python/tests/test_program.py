@@ -23,7 +23,7 @@ def program(*arguments):
 
 # Options of the program that a function of Python has under another name, or that are functions or methods of their own.
 NAMES = {
-    "voxelize": ([bitvox.voxelize, bitvox.field], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills}),
+    "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills}),
     "lod": ([bitvox.lod], {"samples": bitvox.compare}),
     "repair": ([bitvox.repair], {}),
     "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "leaves": bitvox.Octree.leaves, "cut": None}),
@@ -31,6 +31,8 @@ NAMES = {
     "slice": ([bitvox.slice_mesh], {}),
     "faces": ([bitvox.faces, bitvox.voxelize], {"origin": "corner"}),
     "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets], {"seed": "seeds", "add-shell": bitvox.Grid.__or__}),
+    "components": ([bitvox.Grid.components, bitvox.Grid.keep], {"seed": "seeds", "keep-largest": "largest", "fill-cavities": bitvox.Grid.fill_cavities,
+                                                               "labels": bitvox.Grid.label}),
     "compare": ([bitvox.compare], {}),
     "render": ([bitvox.render], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
                                  "expand": bitvox.Octree.expand, "turntable": None}),

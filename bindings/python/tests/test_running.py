@@ -149,13 +149,15 @@ def everything(mesh, grid):
         grid.sample([[3.0, 3, 3]]).tolist(), bitvox.find_seed(solid)[0], bitvox.dumps(mesh, "obj"), bitvox.dumps(grid, "bvx"),
         bitvox.loads(bitvox.dumps(mesh, "ply"), "ply").content_hash(), bitvox.render(mesh, size=(40, 30)).png(),
         bitvox.render(grid, size=(40, 30), slices=("z", 2)).png(), (grid | grid).content_hash(), bitvox.Lattice.fit(mesh, resolution=9),
+        grid.components().tobytes(), grid.label(connectivity=26).tobytes(), grid.keep(largest=1).content_hash(), grid.fill_cavities().content_hash(),
+        grid.topology(), bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(),
     ]
 
 
 def test_everything_calls_every_function():
     """What a stage brings later belongs there too."""
     called = set(re.findall(r"bitvox\.(\w+)\(", inspect.getsource(everything)))
-    elsewhere = {"read", "write", "register_with_trimesh", "settings"}  # files and settings have tests of their own
+    elsewhere = {"read", "write", "register_with_trimesh", "settings", "read_points"}  # files and settings have tests of their own
     assert {name for name in bitvox.__all__ if inspect.isfunction(getattr(bitvox, name))} - called == elsewhere
 
 
