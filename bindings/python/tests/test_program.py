@@ -27,7 +27,7 @@ OF_VOLUMES = {"range": bitvox.Volume.threshold, "label": bitvox.Volume.label, "s
               "voxel-size": "spacing"}
 # Options of the program that a function of Python has under another name, or that are functions or methods of their own.
 NAMES = {
-    "voxelize": ([bitvox.voxelize, bitvox.field, *VOLUME], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills,
+    "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, *VOLUME], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills,
                                                             "all-labels": bitvox.Volume.labels, **OF_VOLUMES}),
     "lod": ([bitvox.lod, *VOLUME], {"samples": bitvox.compare, **OF_VOLUMES}),
     "repair": ([bitvox.repair], {}),
@@ -36,6 +36,8 @@ NAMES = {
     "slice": ([bitvox.slice_mesh], {}),
     "faces": ([bitvox.faces, bitvox.voxelize, *VOLUME], {"origin": "corner", **OF_VOLUMES}),
     "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets], {"seed": "seeds", "add-shell": bitvox.Grid.__or__}),
+    "components": ([bitvox.Grid.components, bitvox.Grid.keep], {"seed": "seeds", "keep-largest": "largest", "fill-cavities": bitvox.Grid.fill_cavities,
+                                                               "labels": bitvox.Grid.label}),
     "compare": ([bitvox.compare], {}),
     "morph": ([bitvox.Grid.dilate, bitvox.Grid.hollow, bitvox.Grid.distance, bitvox.voxelize], {"origin": "corner", "value-type": "dtype"}),
     "boolean": ([bitvox.boolean], {"spacing": bitvox.Lattice, "resample": bitvox.Grid.resample}),

@@ -155,13 +155,15 @@ def everything(mesh, grid):
         [g.content_hash() for g in (grid.downsample(2), grid.crop(), grid.pad(3), grid.permute("zyx", "y"), grid.resample(solid.lattice))],
         grid.distance("signed", nearest=True)[1].tobytes(), grid.distance(squares=True).tobytes(), grid.coverage(3).tobytes(), grid.content(),
         volume.threshold(-20, 5).content_hash(), volume.surface(-3, keys=True).content_hash(), volume.labels(), volume.label(10).count,
+        grid.components().tobytes(), grid.label(connectivity=26).tobytes(), grid.keep(largest=1).content_hash(), grid.fill_cavities().content_hash(),
+        grid.topology(), bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(),
     ]
 
 
 def test_everything_calls_every_function():
     """What a stage brings later belongs there too."""
     called = set(re.findall(r"\.(\w+)\(", inspect.getsource(everything)))
-    elsewhere = {"read", "read_volume", "write", "register_with_trimesh", "settings"}  # files and settings have tests of their own
+    elsewhere = {"read", "read_volume", "write", "register_with_trimesh", "settings", "read_points"}  # files and settings have tests of their own
     assert {name for name in bitvox.__all__ if inspect.isfunction(getattr(bitvox, name))} - called == elsewhere
     of_grids = {name for name, thing in vars(bitvox.Grid).items() if not name.startswith("_") and inspect.isfunction(thing)}
     assert of_grids - called == {"to_pyvista", "voxels", "plot", "save"}

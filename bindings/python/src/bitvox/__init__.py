@@ -35,6 +35,7 @@ from ._image import Image, render
 from ._lattice import Lattice, Window
 from ._mesh import Mesh
 from ._octree import Octree, refine
+from ._points import read_points, voxelize_points
 from ._run import settings
 from ._run import version as _version
 from ._sections import Loop, Sections, from_sections, slice_mesh
@@ -80,6 +81,6 @@ __all__ = [
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
     "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean",
     "carry", "check", "compare", "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
-    "find_seed", "from_sections", "loads", "lod", "merge", "read", "read_volume", "refine", "register_with_trimesh", "render",
-    "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "write",
+    "find_seed", "from_sections", "loads", "lod", "merge", "read", "read_points", "read_volume", "refine", "register_with_trimesh", "render",
+    "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "voxelize_points", "write",
 ]

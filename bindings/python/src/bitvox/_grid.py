@@ -9,10 +9,10 @@ from . import _arrays as arrays
 from ._errors import ArgumentError, EmptyError, FormatError
 from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
-from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
+from ._run import Progress, Run, choice, ffi, function, in_range, lib, options_of
 
 if TYPE_CHECKING:
-    from .reports import Difference
+    from .reports import Difference, Topology
 
 RULES = ("any", "all", "majority")
 DISTANCE_SIDES = ("outside", "inside", "signed")
@@ -409,6 +409,97 @@ class Grid:
         with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_fill(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, connectivity, made))
         return Grid._made(made)
+
+    # ---- parts ----
+
+    def components(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
+                   progress: Progress = None) -> Any:
+        """The connected parts of the set voxels, in the order of their least voxels (z, y, x).
+
+        Args:
+            connectivity: 6 (across faces), 18 (and edges) or 26 (and corners).
+
+        Returns:
+            A record array with first (linear index of the least voxel, x fastest), voxels, low and size (box, in voxels of the window).
+        """
+        count = ffi.new("uint64_t *")
+        with Run(threads, memory_limit, progress) as run:
+            call = function("bvx_grid_components")
+            run.check(call(run.context, self._c, connectivity, ffi.NULL, 0, count))
+            out = ffi.new("bvx_component[]", max(1, count[0]))
+            run.check(call(run.context, self._c, connectivity, out, count[0], count))
+        return arrays.records_at(out, "bvx_component", count[0], out)
+
+    def label(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
+              progress: Progress = None) -> Any:
+        """The number of each voxel's part: uint32 ``labels[x, y, z]``, 0 for empty voxels, 1 for the part with the least voxel.
+
+        Args:
+            connectivity: 6 (across faces), 18 (and edges) or 26 (and corners).
+        """
+        np = arrays.numpy("Grid.label")
+        labels = np.empty(self.shape[::-1], np.uint32)
+        with Run(threads, memory_limit, progress) as run:
+            run.check(function("bvx_grid_label")(run.context, self._c, connectivity, ffi.cast("uint32_t *", labels.ctypes.data), labels.size, ffi.NULL))
+        return labels.transpose(2, 1, 0)
+
+    def keep(self, *, largest: int | None = None, at_least: int = 0, seeds: Any = None, connectivity: int = 6,
+             threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
+        """Some of the connected parts.
+
+        Args:
+            at_least: parts of fewer voxels are dropped.
+            seeds: (n, 3) voxels of the window: parts that hold none of them are dropped.
+            largest: of what is left then, so many of the largest are kept.
+            connectivity: 6 (across faces), 18 (and edges) or 26 (and corners).
+
+        Returns:
+            A `Grid`; ``grid.report`` is a `bitvox.reports.KeepReport`.
+        """
+        options = options_of("keep_options")
+        options.connectivity = connectivity
+        options.at_least = in_range("at_least", at_least, 0, 2**63)
+        if largest is not None:
+            options.largest = in_range("largest", largest, 1, 2**63)
+        report = ffi.new("bvx_keep_report *")
+        options.report = report
+        made = new_grid()
+        given = None if seeds is None else arrays.numbers_in(seeds, "seeds", 3, "int32")
+        if given is not None:
+            if given.count == 0:
+                raise ArgumentError("seeds are empty: no part would be kept")
+            options.seeds, options.seed_count = ffi.cast("int32_t *", given.pointer), given.count
+        with Run(threads, memory_limit, progress) as run:
+            run.check(function("bvx_grid_keep")(run.context, self._c, options, made))
+        return Grid._made(made, record(report))
+
+    def fill_cavities(self, *, connectivity: int = 6, at_most: int = 0, threads: int | None = None, memory_limit: int | None = None,
+                      progress: Progress = None) -> Grid:
+        """The grid with its cavities filled: connected parts of the empty voxels that touch no side of the window.
+
+        Args:
+            connectivity: of the empty voxels, 6, 18 or 26.
+            at_most: cavities of more voxels stay; 0: all are filled.
+        """
+        made = new_grid()
+        with Run(threads, memory_limit, progress) as run:
+            run.check(function("bvx_grid_fill_cavities")(run.context, self._c, connectivity, in_range("at_most", at_most, 0, 2**63), made, ffi.NULL))
+        return Grid._made(made)
+
+    def topology(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
+                 progress: Progress = None) -> Topology:
+        """Parts, cavities, tunnels and the Euler number.
+
+        Args:
+            connectivity: of the set voxels, 6 or 26; the empty ones then connect by 26 or 6.
+
+        Returns:
+            A `bitvox.reports.Topology`.
+        """
+        out = ffi.new("bvx_topology *")
+        with Run(threads, memory_limit, progress) as run:
+            run.check(function("bvx_grid_topology")(run.context, self._c, connectivity, out))
+        return record(out)
 
     # ---- growing, shrinking, distances ----
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Sequence, Union
 
 from ._arrays import triple
 from ._errors import ArgumentError, RangeError
-from ._run import Run, ffi, in_range, lib, options_of
+from ._run import Run, ffi, function, in_range, lib, options_of
 
 
 class Window(NamedTuple):
@@ -79,6 +79,25 @@ class Lattice:
         """
         from ._mesh import Mesh
 
+        source = Mesh.of(mesh)
+        with Run() as run:
+            return cls._fitted(run, "bvx_lattice_fit_with", source._view(run), resolution, spacing, padding, corner)
+
+    @classmethod
+    def fit_points(cls, points: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
+        """A lattice around a cloud of points, as `fit` makes it around a mesh.
+
+        Args:
+            points: (n, 3) numbers, or what `bitvox.voxelize_points` takes.
+            resolution, spacing, padding, corner: as for `fit`.
+        """
+        from ._points import points_view
+
+        with Run() as run:
+            return cls._fitted(run, "bvx_lattice_fit_points", points_view(points, run), resolution, spacing, padding, corner)
+
+    @classmethod
+    def _fitted(cls, run: Run, call: str, view: Any, resolution: Any, spacing: Any, padding: int, corner: Any) -> Lattice:
         if corner is not None and (spacing is None or padding):
             raise ArgumentError("corner is taken together with spacing, and without padding")
         if corner is not None and not all(map(math.isfinite, triple("corner", corner))):
@@ -95,11 +114,9 @@ class Lattice:
         else:
             options.resolution = in_range("resolution", resolution, 1, 2**25)
         options.padding = in_range("padding", padding, 0, 65536)
-        source = Mesh.of(mesh)
         self = cls.__new__(cls)
         self._c = ffi.new("bvx_lattice *")
-        with Run() as run:
-            run.check(lib.bvx_lattice_fit_with(run.context, source._view(run), options, self._c))
+        run.check(function(call)(run.context, view, options, self._c))
         return self if corner is None else self._from_corner(triple("corner", corner))
 
     def _from_corner(self, corner: tuple[float, float, float]) -> Lattice:

@@ -13,8 +13,9 @@ Needs ``bitvox[big]`` (dask, zarr); `plan` needs neither.
 """
 
 from .chunks import Chunks
+from .parts import label
 from .plan import Plan, Task, plan
 from .store import from_zarr, to_zarr
 from .volume import Volume, from_dask, surface, voxelize
 
-__all__ = ["Chunks", "Plan", "Task", "Volume", "from_dask", "from_zarr", "plan", "surface", "to_zarr", "voxelize"]
+__all__ = ["Chunks", "Plan", "Task", "Volume", "from_dask", "from_zarr", "label", "plan", "surface", "to_zarr", "voxelize"]

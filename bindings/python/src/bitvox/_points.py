@@ -1,0 +1,114 @@
+"""Clouds of points."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Sequence
+
+from . import _arrays as arrays
+from ._errors import ArgumentError, UnsupportedError
+from ._files import _format_of, _number, read_bytes
+from ._grid import Grid, new_grid
+from ._lattice import Lattice, WindowLike, set_window
+from ._mesh import Mesh, new_mesh
+from ._records import record
+from ._run import Progress, Run, ffi, function, in_range, lib, options_of
+
+POINT_FORMATS = ("xyz", "ply")
+
+
+def read_points(path: str | os.PathLike[str], *, format: str | None = None, threads: int | None = None, memory_limit: int | None = None,
+                progress: Progress = None) -> Any:
+    """The points of a file as an array (n, 3), float32 or float64.
+
+    Args:
+        path: .xyz (text, x y z and further columns) or .ply (its vertices), each also as .gz.
+        format: one of these endings, in place of the name's own.
+
+    Raises:
+        FormatError: what is wrong with which byte or line. EmptyError: no point.
+    """
+    kind = _format_of(os.fspath(path), format)
+    if kind not in POINT_FORMATS:
+        raise UnsupportedError(f"format {kind!r} holds no points that are read; take one of {', '.join(POINT_FORMATS)}")
+    held = ffi.from_buffer(read_bytes(path))
+    out = new_mesh()
+    with Run(threads, memory_limit, progress) as run:
+        run.check(function("bvx_read_points")(run.context, held, len(held), _number(kind), out))
+    dtype = "float32" if out.position_type == lib.BVX_F32 else "float64"
+    return arrays.array_at(out.positions, dtype, (out.vertex_count, 3), out, writable=True)
+
+
+def points_of(source: Any) -> Any:
+    """An array of points from what a user has."""
+    if isinstance(source, (str, os.PathLike)):
+        return read_points(source)
+    if isinstance(source, Mesh):
+        return source.in_world() if any(source.frame) else source.vertices
+    if hasattr(source, "points") and not hasattr(source, "__array__"):  # PyVista, Open3D
+        return arrays.numpy("points").asarray(source.points)
+    return source
+
+
+def points_view(source: Any, run: Run) -> Any:
+    """A bvx_mesh_view of points alone; run keeps what it points at."""
+    view = ffi.new("bvx_mesh_view *")
+    held = arrays.borrow_vertices(arrays.vertices_in(points_of(source)))
+    run.keep(held.keep)
+    view.positions, view.vertex_count, view.position_type, view.position_stride = held.pointer, held.count, held.kind, held.stride
+    return view
+
+
+def voxelize_points(
+    points: Any,
+    *,
+    resolution: Any = None,
+    spacing: Any = None,
+    corner: Sequence[float] | None = None,
+    padding: int = 0,
+    lattice: Lattice | None = None,
+    window: WindowLike = None,
+    minimum: int = 1,
+    body: bool = False,
+    close_gaps: int | None = None,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Grid:
+    """The voxels that hold points of a cloud, or the body behind them.
+
+    Args:
+        points: (n, 3) numbers, a file's name (.xyz, .ply), a `Mesh` (its vertices), or what has ``points``.
+        resolution, spacing, corner, padding: of a lattice around the cloud, as for `voxelize`. lattice: one in place of all these.
+        window: only this box of the lattice.
+        minimum: points that a voxel needs to be set.
+        body: set what a flood from outside cannot reach too.
+        close_gaps: with ``body``: gaps of up to so many voxels hold the flood, which moves as a cube of one voxel more a side.
+
+    Returns:
+        A `Grid`; ``grid.report`` is a `bitvox.reports.PointsReport`, whose ``pockets`` are 0 when gaps let the flood in everywhere.
+
+    Raises:
+        EmptyError: no points. RangeError: a point that is not finite, with its number.
+    """
+    held = points_of(points)
+    if lattice is None:
+        lattice = Lattice.fit_points(held, resolution=resolution, spacing=spacing, padding=padding, corner=corner)
+    else:
+        for name, value in {"resolution": resolution, "spacing": spacing, "padding": padding or None, "corner": corner}.items():
+            if value is not None:
+                raise ArgumentError(f"{name} and lattice contradict each other; give one of them")
+    options = options_of("points_options")
+    options.minimum = in_range("minimum", minimum, 1, 2**31 - 1)
+    options.body = int(bool(body))
+    if close_gaps is not None:
+        if not body:
+            raise ArgumentError("close_gaps is taken together with body")
+        options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
+    set_window("window", options.window, window)
+    report = ffi.new("bvx_points_report *")
+    options.report = report
+    made = new_grid()
+    with Run(threads, memory_limit, progress) as run:
+        run.check(function("bvx_voxelize_points")(run.context, points_view(held, run), lattice._c, options, made))
+    return Grid._made(made, record(report))
