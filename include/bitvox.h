@@ -535,15 +535,16 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  * BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
  * Memory: the grid, 16 bytes a vertex, 1 a row, 100 KiB for each 4096 triangles up to 6.3 MiB, 160 KiB a worker; rows
  * filled from lists (nonzero, or where rows do not balance): 8 bytes a row and 4 a crossing of theirs. VOTE: two more
- * grids. WINDING, and VOTE where there are holes: 16 bytes a vertex (30 where triangles share none), then about 200 an open edge, 8
- * a row and 170 KiB a worker; WINDING also as nonzero. REGIONS, FLOOD: that, and what
+ * grids. WINDING, and VOTE where there are holes: 16 bytes a vertex (30 where triangles share none), then about 200 an open edge,
+ * 300 and 2 a worker where hundreds of holes have a few edges each, 8 a row and 170 KiB a worker; WINDING also as nonzero. REGIONS,
+ * FLOOD: that, and what
  * bvx_voxelize_surface needs, its grid, 4 bytes a run of empty voxels and 24 for each word of a slice; FLOOD: one
  * more grid, 8 bytes a voxel of the surface that votes outside where there are cavities; closing gaps: a grid of close_gaps more
  * voxels a side. BELOW: one more grid unless axis is 0, 4 bytes a column and mesh, a second mesh's
  * vertices and buffers. check_edges: as bvx_mesh_check.
  * Cost: O(vertices + triangles + crossings + words), VOTE three times that; VOTE and WINDING also, for each centre
  * near a place where the angle is a half, and for bricks of centres elsewhere near holes, O(open edges) at most, far fewer for
- * those of other holes; REGIONS, FLOOD: and that of bvx_voxelize_surface and
+ * those of other holes, and O(log open edges) but for those nearby where hundreds of holes have a few edges each; REGIONS, FLOOD: and that of bvx_voxelize_surface and
  * O(runs); closing gaps O(words * log gap). Local but for REGIONS and FLOOD: a window holds the bits of the whole there.
  * Source: scanline solid of "LOD by voxelization and downsampling" 2.3, with an exact tie rule in place of offsets;
  * Nooruddin, Turk 2003 (votes of axes); Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using

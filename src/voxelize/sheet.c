@@ -10,7 +10,7 @@
  * and Savart): its gradient is a sum over the edges of what was opened and over the dipoles. Within a reach t of the place it
  * stays linear but for t^2 length / (4 pi (d - t)^3) for each edge, and for each dipole 3 t^2 A / (4 pi (d - r - t)^4) and its error.
  * On which side of a triangle a centre lies is decided in integers, ties as everywhere (cover.h), as crossings are. */
-#include "voxelize/sheet.h"
+#include "voxelize/sheet_tree.h"
 #include "core/angle.h"
 
 #include <math.h>
@@ -207,14 +207,25 @@ static void add_loop(const bvxi_sheet *s, uint64_t begin, uint64_t last, const i
     }
 }
 
-static void add_sheet(const bvxi_sheet *s, const int64_t p[3], double near, sheet_sum *sum)
+static void start_sheet_sum(const bvxi_sheet *s, const int64_t p[3], sheet_sum *sum)
 {
-    bvxi_sheet_walk w;
-    uint64_t i, j;
     for (int a = 0; a < 3; a++) sum->at[a] = (double)p[a] * s->scale[a];
     sum->re = 1;
     sum->im = sum->turns = 0;
     sum->rounds = sum->factors = 0;
+}
+
+/* The product's angle is half the solid angle: 2 pi of it is a turn of 4 pi. */
+static double turns_of_product(const sheet_sum *sum)
+{
+    return (sum->im < 0 ? -bvxi_angle(sum->re, -sum->im) : bvxi_angle(sum->re, sum->im)) / (2 * BVXI_PI) + sum->rounds;
+}
+
+static void add_sheet(const bvxi_sheet *s, const int64_t p[3], double near, sheet_sum *sum)
+{
+    bvxi_sheet_walk w;
+    uint64_t i, j;
+    start_sheet_sum(s, p, sum);
     sum->error = BVXI_SHEET_ROUNDING;
     sum->near = near;
     w.count = 0;
@@ -229,8 +240,7 @@ static void add_sheet(const bvxi_sheet *s, const int64_t p[3], double near, shee
         bvxi_sheet_push(&w, m, j);
         bvxi_sheet_push(&w, i, m);
     }
-    /* the product's angle is half the solid angle: 2 pi of it is a turn of 4 pi */
-    sum->turns += (sum->im < 0 ? -bvxi_angle(sum->re, -sum->im) : bvxi_angle(sum->re, sum->im)) / (2 * BVXI_PI) + sum->rounds;
+    sum->turns += turns_of_product(sum);
 }
 
 double bvxi_sheet_angle(const bvxi_sheet *s, const int64_t p[3], double near)
@@ -276,4 +286,23 @@ bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, const int64_t p[3], int3
         if (bvxi_sheet_conclude(sum.turns, sum.error, want_clear, &answer)) break;
     }
     return answer;
+}
+
+double bvxi_sheet_cells_angle(const bvxi_sheet *s, const int64_t p[3], const uint32_t *cells, uint64_t count)
+{
+    const uint32_t *const all = s->tree->corner;
+    sheet_sum sum;
+    sum.reach = 0;
+    start_sheet_sum(s, p, &sum);
+    for (uint64_t i = 0; i < count; i++) {
+        const bvxi_sheet_cell *const c = &s->tree->cell[cells[i]];
+        for (uint64_t t = c->first; t < c->end; t++) {
+            uint64_t const corner[3] = {all[3 * t], all[3 * t + 1], all[3 * t + 2]};
+            bvxi_seen_point seen[3];
+            const bvxi_seen_point *const three[3] = {&seen[0], &seen[1], &seen[2]};
+            for (int k = 0; k < 3; k++) see_point(s, corner[k], &sum, &seen[k]);
+            add_triangle(s, corner, three, p, &sum);
+        }
+    }
+    return turns_of_product(&sum);
 }

@@ -13,6 +13,8 @@ typedef struct bvxi_sheet_node {
     double area;              /* of its triangles, each by itself */
 } bvxi_sheet_node;
 
+typedef struct bvxi_sheet_tree bvxi_sheet_tree;
+
 typedef struct bvxi_sheet {
     const bvxi_holes *holes;
     const int32_t *xyz;    /* snapped, in the order x y z */
@@ -20,6 +22,7 @@ typedef struct bvxi_sheet {
     bvxi_sheet_node *node; /* [Size: holes->points] */
     uint32_t *order;       /* loops, neighbours near each other [Size: holes->loops] */
     bvxi_sheet_node *group; /* of the loops order[i] .. order[j - 1], at i + (j - i) / 2 */
+    bvxi_sheet_tree *tree; /* where there are very many loops, else NULL (sheet_tree.h) */
     double scale[3];       /* fixed point to these units */
     double step[3];        /* one voxel */
     int32_t fraction_bits;

@@ -1,6 +1,6 @@
 /* sheet_nodes.c - what the parts of a sheet over holes are from far off: balls and areas; parts of loops, loops, groups of
  * loops. */
-#include "voxelize/sheet.h"
+#include "voxelize/sheet_tree.h"
 #include "mesh/radix.h"
 
 /* Half the cross product of b - a and c - a. */
@@ -63,6 +63,7 @@ static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_no
 
 void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet)
 {
+    bvxi_sheet_tree_close(ctx, sheet->tree);
     bvxi_free(ctx, sheet->group, sheet->holes->loops * sizeof *sheet->group);
     bvxi_free(ctx, sheet->order, sheet->holes->loops * 4);
     bvxi_free(ctx, sheet->node, sheet->holes->points * sizeof *sheet->node);
@@ -173,6 +174,7 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
         fill_sheet(sheet);
         status = group_loops(ctx, sheet);
     }
+    if (status == BVX_OK) status = bvxi_sheet_tree_open(ctx, sheet, &sheet->tree);
     if (status != BVX_OK) bvxi_sheet_close(ctx, sheet);
     return status;
 }

@@ -2,7 +2,7 @@
  *
  * A task is a column of 32 x 32 rows, so that all of a row is filled by one worker, from low x to high. Stretches without turns
  * are handed over as one. */
-#include "voxelize/turns.h"
+#include "voxelize/sheet_tree.h"
 #include "bits/sort.h"
 
 typedef struct bvxi_turns_worker {
@@ -103,13 +103,19 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
 {
     const bvxi_row_block *const rows = &job->solid->block;
     uint64_t const bytes = (uint64_t)bvxi_threads(ctx) * sizeof *job->worker;
+    const bvxi_sheet_tree *const tree = job->sheet->tree;
+    uint64_t const cells = tree == NULL ? 0 : tree->leaves * BVXI_TURNS_LEVELS, cell_bytes = (uint64_t)bvxi_threads(ctx) * cells * 4;
+    uint32_t *pending = NULL;
     bvx_status status;
     job->columns_y = (rows->ny - 1) / BVXI_TURNS_SIDE + 1;
     job->columns = job->columns_y * ((rows->nz - 1) / BVXI_TURNS_SIDE + 1);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the workers' blocks of turns", &job->worker));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)job->columns * 8, "the columns' counts", &job->odd_rows);
+    if (status == BVX_OK && tree != NULL) status = bvxi_alloc(ctx, BVXI_SCRATCH, cell_bytes, "the workers' cells", &pending);
+    for (int32_t w = 0; w < bvxi_threads(ctx) && pending != NULL; w++) job->worker[w].block.pending = pending + (uint64_t)w * cells;
     if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", from, to, job->columns, turns_column, job);
     for (int32_t c = 0; c < job->columns && status == BVX_OK; c++) *odd += job->odd_rows[c];
+    bvxi_free(ctx, pending, cell_bytes);
     bvxi_free(ctx, job->odd_rows, (uint64_t)job->columns * 8);
     bvxi_free(ctx, job->worker, bytes);
     return status;

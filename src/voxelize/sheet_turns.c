@@ -10,7 +10,8 @@
  * is cut into eight. A small one tells what its centres have: the linear angle, what near edges sweep on the way from the middle, and
  * which near triangles that way crosses (sheet_near.c). Centres nearer than the bound to a half are asked by themselves.
  * Guarantee: what each centre would say by itself, so where bricks lie does not matter. */
-#include "voxelize/turns.h"
+#include "voxelize/sheet_tree.h"
+#include "voxelize/turns_brick.h"
 
 enum { TURNS_STACK = 160, TURNS_SMALL = 4, TURNS_PLAIN = 8, TURNS_LANES = 4 };
 
@@ -18,49 +19,11 @@ static const double turns_near[2] = {1e-2, 1e-3}; /* parts of the sheet are open
 static const double turns_edge = 1e-2;  /* in small bricks edges are near when they alone are off by more */
 static const double turns_doubt = 0.2;  /* small bricks are cut further when their bound is above */
 
-typedef struct turns_brick {
-    int32_t at[3], size[3]; /* within the block */
-    int32_t side;
-} turns_brick;
-
-static uint32_t brick_bits(const turns_brick *b)
-{
-    return (b->size[0] == 32 ? UINT32_MAX : ((uint32_t)1 << b->size[0]) - 1) << b->at[0];
-}
-
 /* Centres that are to be asked by themselves. */
 typedef struct turns_asked {
     int32_t at[TURNS_LANES][3];
     int32_t count;
 } turns_asked;
-
-static int brick_is_open(const bvxi_turns_block *block, const turns_brick *b)
-{
-    uint32_t const bits = brick_bits(b);
-    for (int32_t z = b->at[2]; z < b->at[2] + b->size[2]; z++)
-        for (int32_t y = b->at[1]; y < b->at[1] + b->size[1]; y++)
-            if ((block->open[bvxi_turns_row(y, z)] & bits) != 0) return 1;
-    return 0;
-}
-
-static inline void set_turns(bvxi_turns_block *block, uint32_t row, int32_t x, int32_t whole, int clear)
-{
-    block->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] = 2 * whole;
-    if (whole != 0) block->dirty = 1;
-    if (clear) block->clear[row] |= (uint32_t)1 << x;
-}
-
-static void settle_brick(bvxi_turns_block *block, const turns_brick *b, int32_t whole, int clear)
-{
-    uint32_t const bits = brick_bits(b);
-    if (whole == 0 && !clear) return;
-    for (int32_t z = b->at[2]; z < b->at[2] + b->size[2]; z++)
-        for (int32_t y = b->at[1]; y < b->at[1] + b->size[1]; y++) {
-            uint32_t const row = bvxi_turns_row(y, z);
-            if (clear) block->clear[row] |= bits & block->open[row];
-            for (int32_t x = b->at[0]; x < b->at[0] + b->size[0] && whole != 0; x++) set_turns(block, row, x, whole, 0);
-        }
-}
 
 static void ask_centres(bvxi_turns_block *block, turns_asked *asked)
 {
@@ -85,22 +48,13 @@ static void ask_centres(bvxi_turns_block *block, turns_asked *asked)
     asked->count = 0;
 }
 
-static void ask_centre(bvxi_turns_block *block, int32_t x, int32_t y, int32_t z, turns_asked *asked)
+static void ask_later(bvxi_turns_block *block, int32_t x, int32_t y, int32_t z, turns_asked *asked)
 {
     int32_t *const at = asked->at[asked->count++];
     at[0] = x;
     at[1] = y;
     at[2] = z;
     if (asked->count == TURNS_LANES) ask_centres(block, asked);
-}
-
-/* Is the whole number nearest to turns, and on which side of a quarter they are, certain to rest? */
-static int is_certain(const bvxi_turns_block *block, double turns, double rest, double *whole, int *clear)
-{
-    double const n = floor(turns + 0.5), off = turns < n ? n - turns : turns - n;
-    *whole = n;
-    *clear = off < 0.25;
-    return off + rest < 0.5 && (!block->want_clear || off + rest < 0.25 || off - rest > 0.25);
 }
 
 /* What the brick's middle says about the centre that lies h from it; 0 when that is not enough. */
@@ -139,26 +93,9 @@ static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi
                 if ((block->open[row] >> x & 1) == 0) continue;
                 h[0] = (x - middle[0]) * step[0];
                 if (tell_centre(block, look, reach2, h, &whole, &clear)) set_turns(block, row, x, whole, block->want_clear && clear);
-                else ask_centre(block, x, y, z, asked);
+                else ask_later(block, x, y, z, asked);
             }
         }
-}
-
-static void cut_brick(const turns_brick *b, turns_brick *stack, int32_t *count)
-{
-    int32_t const half = b->side / 2;
-    for (int32_t i = 0; i < 8; i++) {
-        turns_brick *const c = &stack[*count];
-        int full = 1;
-        c->side = half;
-        for (int32_t a = 0; a < 3; a++) {
-            int32_t const from = (i >> a & 1) * half, left = b->size[a] - from;
-            c->at[a] = b->at[a] + from;
-            c->size[a] = left < half ? left : half;
-            full &= left > 0;
-        }
-        *count += full;
-    }
 }
 
 /* 1 when all of the brick's centres have one whole number, and are clear or not, as its middle. */
@@ -226,6 +163,10 @@ void bvxi_sheet_block(bvxi_turns_block *block)
     turns_asked asked;
     int32_t count = 1;
     asked.count = 0;
+    if (block->pending != NULL) {
+        bvxi_sheet_tree_block(block);
+        return;
+    }
     block->dirty = 0;
     memset(stack[0].at, 0, sizeof stack[0].at);
     memcpy(stack[0].size, block->size, sizeof stack[0].size);
@@ -238,7 +179,7 @@ void bvxi_sheet_block(bvxi_turns_block *block)
             b[bricks] = stack[--count];
             if (!block->all_open && !brick_is_open(block, &b[bricks])) continue;
             if (b[bricks].size[0] == 1 && b[bricks].size[1] == 1 && b[bricks].size[2] == 1)
-                ask_centre(block, b[bricks].at[0], b[bricks].at[1], b[bricks].at[2], &asked);
+                ask_later(block, b[bricks].at[0], b[bricks].at[1], b[bricks].at[2], &asked);
             else bricks++;
         }
         if (bricks > 0) look_at_bricks(block, b, bricks, stack, &count, &asked);

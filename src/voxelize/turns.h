@@ -8,7 +8,7 @@
 #include "voxelize/sheet.h"
 
 /* Blocks of at most 32 voxels a side. */
-enum { BVXI_TURNS_SIDE = 32, BVXI_TURNS_ROWS = BVXI_TURNS_SIDE * BVXI_TURNS_SIDE };
+enum { BVXI_TURNS_SIDE = 32, BVXI_TURNS_ROWS = BVXI_TURNS_SIDE * BVXI_TURNS_SIDE, BVXI_TURNS_LEVELS = 6 };
 
 /* The crossings of one row, sorted: codes as in bvxi_crossing. */
 typedef struct bvxi_row_codes {
@@ -27,6 +27,7 @@ typedef struct bvxi_turns_block {
     uint32_t open[BVXI_TURNS_ROWS];          /* centres that are asked for, as bits along x */
     uint32_t clear[BVXI_TURNS_ROWS];         /* want_clear: of these, those nearer than a quarter to a whole number */
     int32_t dirty;                           /* 0: turns are 0 everywhere */
+    uint32_t *pending;                       /* where the sheet has a tree: cells that bricks are too near to [Size: BVXI_TURNS_LEVELS * leaves] */
     int32_t turns[BVXI_TURNS_ROWS * BVXI_TURNS_SIDE]; /* twice whole(w); odd for ties */
 } bvxi_turns_block;
 

@@ -4,9 +4,9 @@
 #include "tools/mesh_maker.h"
 #include "voxelize/winding.h"
 
-static maker_mesh closed, holes; /* holes: triangles missing, turned and twice there */
-static bvx_mesh_view closed_view, holes_view;
-static bvx_lattice lattice;
+static maker_mesh closed, holes, loose; /* holes: triangles missing, turned and twice there; loose: each with corners of its own */
+static bvx_mesh_view closed_view, holes_view, loose_view;
+static bvx_lattice lattice, coarse;
 static bvx_context *maker;
 
 static int make_inputs(void **state)
@@ -22,9 +22,16 @@ static int make_inputs(void **state)
     for (int i = 0; i < 7; i++) maker_remove(&holes, (size_t)maker_below(&seed, (int32_t)holes.triangles));
     maker_flip(&holes, 20, 40);
     for (size_t i = 50; i < 60; i++) maker_duplicate(&holes, i);
+    maker_star(&loose, &seed, centre, radius, 0.2, 12, 15, 65536);
+    for (size_t i = 0, n = 3 * loose.triangles; i < n; i++) {
+        double const *const p = loose.p + 3 * (size_t)loose.t[i];
+        loose.t[i] = maker_vertex(&loose, p[0] + 0.01 * maker_below(&seed, 30), p[1] + 0.01 * maker_below(&seed, 30), p[2]);
+    }
     closed_view = maker_view(&closed);
+    loose_view = maker_view(&loose);
     holes_view = maker_view(&holes);
     assert_int_equal(bvx_lattice_fit(maker, &closed_view, 40, &lattice), BVX_OK);
+    assert_int_equal(bvx_lattice_fit(maker, &loose_view, 10, &coarse), BVX_OK);
     return 0;
 }
 
@@ -35,13 +42,14 @@ static int free_inputs(void **state)
     bvx_context_destroy(maker);
     maker_free(&closed);
     maker_free(&holes);
+    maker_free(&loose);
     return 0;
 }
 
 static uint64_t mark;   /* a hash of what the last good run made */
 static int left_behind; /* a failed call left something in its result */
 
-static bvx_status fill_view(bvx_context *ctx, const bvx_mesh_view *view)
+static bvx_status fill_view(bvx_context *ctx, const bvx_mesh_view *view, const bvx_lattice *on)
 {
     bvx_voxelize_options o;
     bvx_solid_report report = {0};
@@ -50,7 +58,7 @@ static bvx_status fill_view(bvx_context *ctx, const bvx_mesh_view *view)
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_WINDING;
     o.report = &report;
-    status = bvx_voxelize_solid(ctx, view, &lattice, &o, &g);
+    status = bvx_voxelize_solid(ctx, view, on, &o, &g);
     left_behind |= status != BVX_OK && (g.words != NULL || report.crossings != 0);
     if (status == BVX_OK) assert_int_equal(bvx_grid_hash(ctx, &g, &mark), BVX_OK);
     bvx_grid_free(ctx, &g);
@@ -60,35 +68,34 @@ static bvx_status fill_view(bvx_context *ctx, const bvx_mesh_view *view)
 static bvx_status fill_holes(void *user, bvx_context *ctx)
 {
     (void)user;
-    return fill_view(ctx, &holes_view);
+    return fill_view(ctx, &holes_view, &lattice);
+}
+
+static bvx_status fill_loose(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return fill_view(ctx, &loose_view, &coarse);
 }
 
 static bvx_status fill_closed(void *user, bvx_context *ctx)
 {
     (void)user;
-    return fill_view(ctx, &closed_view);
+    return fill_view(ctx, &closed_view, &lattice);
 }
 
 static bvx_status ratios(void *user, bvx_context *ctx)
 {
     bvxi_winding *w = (bvxi_winding *)&mark;
-    bvxi_holes loops;
-    bvx_status status = bvxi_holes_open_rule(ctx, "test", &holes_view, &lattice, BVX_FILL_WINDING, &loops);
+    bvx_status const status = bvxi_winding_open(ctx, "test", &holes_view, &lattice, BVX_FILL_WINDING, &w);
     double sum = 0;
     (void)user;
-    if (status != BVX_OK) return status;
-    status = bvxi_winding_open(ctx, "test", &holes_view, &lattice, BVX_FILL_WINDING, &loops, &w);
     left_behind |= status != BVX_OK && w != NULL;
-    if (status != BVX_OK) bvxi_holes_close(ctx, &loops);
     if (status != BVX_OK) return status;
     for (int32_t x = 0; x < 30; x++) {
-        bvxi_winding_edge const edge = {{x, x % 7 + 8, x % 5 + 10}, x % 3};
-        double ratio;
-        bvxi_winding_ratios(w, 1, &edge, &ratio);
-        sum += ratio;
+        int32_t const v[3] = {x, x % 7 + 8, x % 5 + 10};
+        sum += bvxi_winding_ratio(w, v, x % 3);
     }
     bvxi_winding_close(ctx, w);
-    bvxi_holes_close(ctx, &loops);
     mark = bvx_hash(&sum, sizeof sum, 0);
     return BVX_OK;
 }
@@ -99,7 +106,7 @@ typedef struct wind_kind {
     uint64_t want;
 } wind_kind;
 
-static wind_kind kinds[] = {{"holes", fill_holes, 0}, {"closed", fill_closed, 0}, {"ratios", ratios, 0}};
+static wind_kind kinds[] = {{"holes", fill_holes, 0}, {"loose", fill_loose, 0}, {"closed", fill_closed, 0}, {"ratios", ratios, 0}};
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 static bvx_status run_kind(void *user, bvx_context *ctx)
@@ -185,14 +192,14 @@ static void test_every_memory_limit(void **state)
 static void test_corners_beyond_the_vertices_are_named(void **state)
 {
     bvx_mesh_view bad = holes_view;
-    bvxi_holes loops;
+    bvxi_winding *w = NULL;
     (void)state;
     bad.vertex_count--;
     left_behind = 0;
-    assert_int_equal(fill_view(maker, &bad), BVX_ERR_RANGE);
+    assert_int_equal(fill_view(maker, &bad, &lattice), BVX_ERR_RANGE);
     assert_non_null(strstr(bvx_last_message(maker), "triangle"));
-    assert_int_equal(bvxi_holes_open_rule(maker, "test", &bad, &lattice, BVX_FILL_VOTE, &loops), BVX_ERR_RANGE);
-    assert_int_equal(loops.loops, 0);
+    assert_int_equal(bvxi_winding_open(maker, "test", &bad, &lattice, BVX_FILL_VOTE, &w), BVX_ERR_RANGE);
+    assert_null(w);
     assert_int_equal(left_behind, 0);
 }
 
