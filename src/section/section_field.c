@@ -106,22 +106,21 @@ static int is_nothing(const bvxi_field *f, int k)
 
 double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside)
 {
-    double d;
-    if (is_nothing(f, k)) {
-        int const other = bvxi_grid_bit(f->s, f->slab->plane[1 - k], at[0] >> f->s->fine, at[1] >> f->s->fine);
-        return bvxi_field_corner(f, at, 1 - k, other) - f->depth;
-    }
-    d = corner_distance(f, at, k);
-    return inside ? d : -d;
+    int const from = is_nothing(f, k) ? 1 - k : k; /* one of the two has a contour */
+    double d = corner_distance(f, at, from);
+    if (from != k) inside = bvxi_grid_bit(f->s, f->slab->plane[from], at[0] >> f->s->fine, at[1] >> f->s->fine);
+    if (!inside) d = -d;
+    return from == k ? d : d - f->depth;
 }
 
 static double plane_at(bvxi_field *f, int k, double u, double v)
 {
+    int const from = is_nothing(f, k) ? 1 - k : k; /* one of the two has a contour */
     double d;
-    if (is_nothing(f, k)) return plane_at(f, 1 - k, u, v) - f->depth;
     f->s->report.distances++;
-    d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
-    return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : -d;
+    d = bvxi_plane_distance(f->slab->plane[from], u, v, &f->plane[from].hint);
+    if (!bvxi_plane_inside(f->s, f->slab->plane[from], u, v)) d = -d;
+    return from == k ? d : d - f->depth;
 }
 
 double bvxi_field_at(bvxi_field *f, double u, double v, double t)
