@@ -227,12 +227,14 @@ int cli_open_output(cli_run *run, const char *path)
 static FILE *open_for_writing(cli_output *o)
 {
     FILE *file;
-    if (o->kind == CLI_OUT_STANDARD) file = stdout;
-    else if (o->kind == CLI_OUT_IN_PLACE) file = fopen(o->path, "wb"); /* may wait for a reader */
-    else file = NULL;
-    cli_lock(); /* a temporary that an interrupt has removed is not made again */
-    if (o->kind == CLI_OUT_NEW) file = fopen(o->temporary, "r+b"); /* ext4 writes out truncated files at once when they close */
-    else o->begun = 1;
+    if (o->kind == CLI_OUT_NEW) {
+        cli_lock(); /* a temporary that an interrupt has removed is not made again */
+        file = fopen(o->temporary, "r+b"); /* ext4 writes out truncated files at once when they close */
+    } else {
+        file = o->kind == CLI_OUT_STANDARD ? stdout : fopen(o->path, "wb"); /* may wait for a reader */
+        cli_lock();
+        o->begun = 1;
+    }
     cli_unlock();
     return file;
 }
@@ -240,21 +242,25 @@ static FILE *open_for_writing(cli_output *o)
 int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
 {
     cli_output *const o = &run->output[number];
+    int const standard = o->kind == CLI_OUT_STANDARD;
     FILE *const file = open_for_writing(o);
     uint64_t written = 0;
-    int good, stopped = 0;
+    int error = 0, stopped = 0;
     if (file == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(errno));
-    errno = 0;
     while (written < buffer->size && !stopped) {
         size_t const rest = (size_t)(buffer->size - written), part = rest < OUTPUT_CHUNK ? rest : OUTPUT_CHUNK;
-        if (fwrite(buffer->bytes + written, 1, part, file) != part) break;
+        errno = 0;
+        if (fwrite(buffer->bytes + written, 1, part, file) != part) {
+            error = errno != 0 ? errno : EIO;
+            break;
+        }
         written += part;
         stopped = cli_progress(run, "write", (double)written / (double)buffer->size) != 0;
     }
-    good = written == buffer->size;
-    good &= (o->kind == CLI_OUT_STANDARD ? fflush(file) : fclose(file)) == 0;
+    errno = 0;
+    if ((standard ? fflush(file) : fclose(file)) != 0 && error == 0) error = errno != 0 ? errno : EIO;
     if (stopped) return cli_fail_interrupted(run);
-    if (!good) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(errno != 0 ? errno : EIO));
+    if (error != 0) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
     return CLI_DONE;
 }
 

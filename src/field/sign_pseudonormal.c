@@ -69,7 +69,7 @@ static void sum_at_vertex(const pseudo_rule *rule, uint32_t vertex, double sum[3
         int k = 0;
         pseudo_corners(rule, rule->list[i], c);
         if (!pseudo_normal(rule, c, t, n)) continue;
-        while (c[k] != vertex) k++;
+        while (k < 2 && c[k] != vertex) k++;
         angle = pseudo_angle((const double(*)[3])t, k);
         for (int a = 0; a < 3; a++) sum[a] += angle * n[a];
     }

@@ -40,12 +40,10 @@ BVXI_VECTOR_INLINE void make_lengths(const distance_job *job, const void *square
 
 static void store_lengths(const distance_job *job, size_t at, int32_t count, uint32_t wanted, const double *lengths)
 {
-    float *const f32 = job->value_type == BVX_F32 ? job->values : NULL;
-    double *const f64 = job->value_type == BVX_F64 ? job->values : NULL;
     for (int32_t i = 0; i < count; i++) {
         if ((wanted >> i & 1) == 0) continue;
-        if (f32 != NULL) f32[at + (size_t)i] = (float)lengths[i];
-        else f64[at + (size_t)i] = lengths[i];
+        if (job->value_type == BVX_F32) ((float *)job->values)[at + (size_t)i] = (float)lengths[i];
+        else ((double *)job->values)[at + (size_t)i] = lengths[i];
     }
 }
 

@@ -250,7 +250,7 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
     bvx_status status;
     int ok = 1;
     job.slice = (size_t)source->row_words * (size_t)source->size[1];
-    job.scratch_size = (bvxi_mul((uint64_t)job.slice, (uint64_t)(24 * sweep_steps(morph, source) + 8), &ok) + 16 + 63) / 64 * 64;
+    job.scratch_size = (bvxi_mul((uint64_t)job.slice, 24 * (uint64_t)sweep_steps(morph, source) + 8, &ok) + 16 + 63) / 64 * 64;
     bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
     outside_bytes = bvxi_mul((uint64_t)job.slice, 16, &ok);
     if (!ok || bytes > SIZE_MAX)

@@ -7,7 +7,7 @@
 #include "grid/sample_bits.h"
 
 enum {
-    TILE_X_WORDS = 8, TILE_F_WORDS = 8, /* 512 by 512 voxels: 32 KiB of turned rows, 4 KiB of runs */
+    TILE_X_WORDS = 8, TILE_F_WORDS = 4, /* 512 by 256 voxels: 16 KiB of turned rows, 2 KiB of runs */
     PACK_GRAIN = 1 << 16                /* samples of the smallest task */
 };
 

@@ -65,7 +65,7 @@ static bvx_status bvx_check_start(bvx_context *ctx, const uint8_t *head, uint64_
                          (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_HEAD_SIZE, 0), (uint64_t)BVXI_BVX_VERSION, (uint64_t)BVXI_BVX_HEAD);
     for (uint32_t i = 0; i < 16; i++)
         if (head[BVXI_BVX_AT_RESERVED + i] != 0)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0", (uint64_t)(BVXI_BVX_AT_RESERVED + i));
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0", (uint64_t)BVXI_BVX_AT_RESERVED + i);
     return BVX_OK;
 }
 

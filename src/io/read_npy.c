@@ -64,7 +64,7 @@ static bvx_status npy_take_type(npy_text *t, npy_head *h)
 {
     static const struct {
         char name[3];
-        int8_t kind;
+        uint8_t kind;
     } known[] = {{"b1", BVX_SAMPLE_U8}, {"u1", BVX_SAMPLE_U8}, {"i1", BVX_SAMPLE_I8}, {"u2", BVX_SAMPLE_U16},
                  {"i2", BVX_SAMPLE_I16}, {"u4", BVX_SAMPLE_U32}, {"i4", BVX_SAMPLE_I32}, {"u8", BVX_SAMPLE_U64},
                  {"i8", BVX_SAMPLE_I64}, {"f2", BVXI_SAMPLE_F16}, {"f4", BVX_SAMPLE_F32}, {"f8", BVX_SAMPLE_F64}};

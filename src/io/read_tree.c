@@ -81,7 +81,7 @@ static bvx_status take_tree_head(tree_reading *job)
         int32_t const n = load_tree_number(head + BVXI_TREE_AT_BASE + 4 * a);
         if (n < 1 || n > BVXI_MAX_SIDE >> job->levels)
             return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a base of %u voxels along %s; 1 to %d are possible with %d levels",
-                             (uint64_t)(BVXI_TREE_AT_BASE + 4 * a), (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_BASE + 4 * a, 0), axis_name[a],
+                             (uint64_t)BVXI_TREE_AT_BASE + 4 * (uint64_t)a, (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_BASE + 4 * a, 0), axis_name[a],
                              (int64_t)(BVXI_MAX_SIDE >> job->levels), (int64_t)job->levels);
         job->base[a] = n;
         job->lattice.origin[a] = bvxi_load_f64(head + BVXI_TREE_AT_ORIGIN + 8 * a, 0);
@@ -138,7 +138,7 @@ static bvx_status take_level_heads(tree_reading *job)
         return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file goes on behind its last level", (uint64_t)(p - job->begin));
     job->level[0].octets = rows;
     if (job->level[0].words != rows * (uint64_t)job->row_words)
-        return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: level 0 has %u words, its base %u", (uint64_t)(BVXI_TREE_HEAD + 16),
+        return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: level 0 has %u words, its base %u", (uint64_t)BVXI_TREE_HEAD + 16,
                          job->level[0].words, rows * (uint64_t)job->row_words);
     return BVX_OK;
 }

@@ -154,8 +154,8 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
     bvxi_output_number(o, rows * DRAWING_CELL);
     bvxi_output_text(o, "\" font-family=\"sans-serif\" font-size=\"9\">\n");
     for (uint64_t k = 0; k < s->section_count; k++) {
-        double const x = (double)(k % columns) * DRAWING_CELL + DRAWING_MARGIN;
-        double const y = (double)(k / columns) * DRAWING_CELL + DRAWING_CELL - DRAWING_MARGIN;
+        uint64_t const column = k % columns, row = k / columns;
+        double const x = (double)column * DRAWING_CELL + DRAWING_MARGIN, y = (double)(row + 1) * DRAWING_CELL - DRAWING_MARGIN;
         bvxi_output_text(o, "<text x=\"");
         put_place(o, x);
         bvxi_output_text(o, "\" y=\"");

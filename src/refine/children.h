@@ -10,7 +10,7 @@ uint32_t bvxi_children_touched(const int32_t (*p)[3], int32_t half);
 
 /* ---- children_batch.c: the same for many triangles at once ---- */
 
-enum { BVXI_CHILDREN_BATCH = 256 };
+enum { BVXI_CHILDREN_BATCH = 128 };
 
 typedef struct bvxi_children_batch {
     int32_t p[3][3][BVXI_CHILDREN_BATCH]; /* corner, axis */

@@ -127,7 +127,7 @@ static int32_t base_for(int32_t resolution, int32_t levels)
 static int base_is_possible(const choose_job *job, int32_t base, int32_t levels)
 {
     double const last = (double)((int64_t)base << levels);
-    double const most = base_words(job, last) > (double)(BVXI_REFINE_WHOLE_GRID / 8) ? (double)(BVXI_REFINE_START_GRID / 8)
+    double const most = base_words(job, last) > (double)BVXI_REFINE_WHOLE_GRID / 8 ? (double)BVXI_REFINE_START_GRID / 8
                                                                                      : 2147483648.0 / BVXI_WORD_BITS;
     return last <= BVXI_MAX_SIDE && (levels == 0 || base_words(job, base) <= most);
 }

@@ -35,7 +35,7 @@ static inline uint32_t children_in_grid(const level_job *job, const int32_t *v)
 {
     const bvx_octree *const tree = job->refine->tree;
     const uint64_t *const grid = job->refine->grids.words[job->level + 1];
-    uint64_t const row = (uint64_t)bvxi_refine_row_words(tree, job->level + 1), ny = (uint64_t)(tree->base[1] << (job->level + 1));
+    uint64_t const row = (uint64_t)bvxi_refine_row_words(tree, job->level + 1), ny = (uint64_t)tree->base[1] << (job->level + 1);
     uint64_t const at = (2 * (uint64_t)v[2] * ny + 2 * (uint64_t)v[1]) * row + (uint64_t)(v[0] >> 5);
     unsigned const shift = 2 * ((unsigned)v[0] & 31);
     uint64_t const slice = ny * row;

@@ -235,7 +235,7 @@ typedef struct coarsen_job {
 static void coarsen_rows(void *user, int32_t index, int32_t worker)
 {
     const coarsen_job *const job = user;
-    uint64_t const ny = (uint64_t)(job->tree->base[1] << job->level), nz = (uint64_t)(job->tree->base[2] << job->level);
+    uint64_t const ny = (uint64_t)job->tree->base[1] << job->level, nz = (uint64_t)job->tree->base[2] << job->level;
     size_t const coarse = (size_t)bvxi_refine_row_words(job->tree, job->level), fine = (size_t)bvxi_refine_row_words(job->tree, job->level + 1);
     uint64_t begin, end;
     (void)worker;
@@ -329,7 +329,7 @@ bvx_status bvxi_refine_lists(bvxi_refine_job *job)
     uint64_t const words = bvxi_refine_grid_words(tree, job->start);
     bvxi_octets ranked = {0};
     uint64_t const row = (uint64_t)bvxi_refine_row_words(tree, job->start) * BVXI_WORD_BITS;
-    uint64_t const ny = (uint64_t)(tree->base[1] << job->start);
+    uint64_t const ny = (uint64_t)tree->base[1] << job->start;
     if (job->start == 0 && tree->root.split == tree->root.touched) return BVX_OK; /* the front is in the grid's order */
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, words * 4, "the start's ranks", &ranked.before));
     bvx_status const status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 4, "the start's ranks", &job->front.slot);

@@ -30,9 +30,9 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
         vertex[edge[i]] = triangles[i];
     }
     for (uint32_t i = 0; i < 3 * count; i++) out[edge[i]] = (uint16_t)(out[edge[i]] | 1u << edge[i % 3 == 2 ? i - 2 : i + 1]);
-    for (uint8_t u = 0; u < BVXI_CELL_EDGES; u++)
-        for (uint8_t v = 0; v < BVXI_CELL_EDGES; v++)
-            if ((out[u] >> v & 1) != 0 && (out[v] >> u & 1) == 0) next[u] = v;
+    for (int u = 0; u < BVXI_CELL_EDGES; u++)
+        for (int v = 0; v < BVXI_CELL_EDGES; v++)
+            if ((out[u] >> v & 1) != 0 && (out[v] >> u & 1) == 0) next[u] = (uint8_t)v;
     loops->count = 0;
     for (uint32_t t = 0; t < count; t++) {
         bvxi_cell_loop *l;

@@ -4,7 +4,7 @@
 
 #include "voxelize/surface.h"
 
-enum { BVXI_TOUCH_BATCH = 256 };
+enum { BVXI_TOUCH_BATCH = 128 };
 
 typedef struct bvxi_touch_batch {
     uint32_t triangle[BVXI_TOUCH_BATCH];

@@ -163,6 +163,7 @@ static bvx_status ask_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w,
     w->sheet = &sheet;
     job->odd_rows = NULL;
     status = move_sheet(ctx, job, w, holes, from, to);
+    w->sheet = NULL;
     bvxi_sheet_close(ctx, &sheet);
     return status;
 }

@@ -86,16 +86,23 @@ static bvx_status fill_closed(void *user, bvx_context *ctx)
 static bvx_status ratios(void *user, bvx_context *ctx)
 {
     bvxi_winding *w = (bvxi_winding *)&mark;
-    bvx_status const status = bvxi_winding_open(ctx, "test", &holes_view, &lattice, BVX_FILL_WINDING, &w);
+    bvxi_holes loops;
+    bvx_status status = bvxi_holes_open_rule(ctx, "test", &holes_view, &lattice, BVX_FILL_WINDING, &loops);
     double sum = 0;
     (void)user;
+    if (status != BVX_OK) return status;
+    status = bvxi_winding_open(ctx, "test", &holes_view, &lattice, BVX_FILL_WINDING, &loops, &w);
     left_behind |= status != BVX_OK && w != NULL;
+    if (status != BVX_OK) bvxi_holes_close(ctx, &loops);
     if (status != BVX_OK) return status;
     for (int32_t x = 0; x < 30; x++) {
-        int32_t const v[3] = {x, x % 7 + 8, x % 5 + 10};
-        sum += bvxi_winding_ratio(w, v, x % 3);
+        bvxi_winding_edge const edge = {{x, x % 7 + 8, x % 5 + 10}, x % 3};
+        double ratio;
+        bvxi_winding_ratios(w, 1, &edge, &ratio);
+        sum += ratio;
     }
     bvxi_winding_close(ctx, w);
+    bvxi_holes_close(ctx, &loops);
     mark = bvx_hash(&sum, sizeof sum, 0);
     return BVX_OK;
 }
@@ -192,14 +199,14 @@ static void test_every_memory_limit(void **state)
 static void test_corners_beyond_the_vertices_are_named(void **state)
 {
     bvx_mesh_view bad = holes_view;
-    bvxi_winding *w = NULL;
+    bvxi_holes loops;
     (void)state;
     bad.vertex_count--;
     left_behind = 0;
     assert_int_equal(fill_view(maker, &bad, &lattice), BVX_ERR_RANGE);
     assert_non_null(strstr(bvx_last_message(maker), "triangle"));
-    assert_int_equal(bvxi_winding_open(maker, "test", &bad, &lattice, BVX_FILL_VOTE, &w), BVX_ERR_RANGE);
-    assert_null(w);
+    assert_int_equal(bvxi_holes_open_rule(maker, "test", &bad, &lattice, BVX_FILL_VOTE, &loops), BVX_ERR_RANGE);
+    assert_int_equal(loops.loops, 0);
     assert_int_equal(left_behind, 0);
 }
 
