@@ -9,13 +9,14 @@
 #     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
 #     BENCH_ONLY=voxels     surfaces of voxels, fills and refinement alone; their tables are then printed, without a report
 #     BENCH_ONLY=field      distance fields, repair and its paper's experiment alone
+#     BENCH_ONLY=components parts of grids alone
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}" "${BENCH_ONLY:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d connected-components-3d scipy"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -75,7 +76,20 @@ measure_field() {
     "$BENCHES/bench_step" "$MESHES" >"$out/step.md" && cat "$out/step.md"
 }
 
+measure_components() {
+    rm -f "$out"/components.md "$out"/peers_components.md
+    echo "== parts of grids"
+    "$BENCHES/bench_components" "$MESHES" "$out" 5 >"$out/components.md" && cat "$out/components.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_components.py "$out" "$BENCHES/bench_components" "$MESHES"; fi
+    rm -f "$out"/components_*.npy
+}
+
 find_python
+if [ "$BENCH_ONLY" = components ]; then
+    measure_components
+    load >>"$out/load"
+    exit 0
+fi
 if [ "$BENCH_ONLY" = field ]; then
     measure_field
     cat "$out/field.jsonl" "$out/peers_field.jsonl" 2>/dev/null
@@ -112,6 +126,7 @@ if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$o
 
 measure_voxels
 measure_field
+measure_components
 
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
