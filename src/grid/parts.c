@@ -102,17 +102,35 @@ static const uint32_t *label_row(const uint64_t *row, int32_t size, const uint32
     return label;
 }
 
+static int row_has_voxels(const uint64_t *row, int32_t words)
+{
+    uint64_t any = 0;
+    for (int32_t k = 0; k < words; k++) any |= row[k];
+    return any != 0;
+}
+
+/* Empty rows are cleared as one stretch: large ones cost no reading of what is overwritten. */
 static bvx_status label_rows(bvx_context *ctx, const bvxi_spaces *spaces, uint32_t *labels)
 {
     const bvx_grid *const g = spaces->grid;
     const uint32_t *label = spaces->parts.label;
     const uint64_t *row = g->words;
     int32_t const step = (g->size[2] + 7) / 8;
+    size_t const nx = (size_t)g->size[0];
+    size_t empty = 0; /* voxels before labels that are still to be cleared */
     for (int32_t z = 0; z < g->size[2]; z++) {
         if (z % step == 0) BVXI_TRY(bvxi_progress(ctx, "label", (double)z / (double)g->size[2]));
-        for (int32_t y = 0; y < g->size[1]; y++, row += g->words_per_row, labels += g->size[0])
+        for (int32_t y = 0; y < g->size[1]; y++, row += g->words_per_row, labels += nx) {
+            if (!row_has_voxels(row, g->words_per_row)) {
+                empty += nx;
+                continue;
+            }
+            memset(labels - empty, 0, empty * sizeof *labels);
+            empty = 0;
             label = label_row(row, g->size[0], label, labels);
+        }
     }
+    memset(labels - empty, 0, empty * sizeof *labels);
     return BVX_OK;
 }
 

@@ -223,6 +223,11 @@ tables = (
     ("defects.md", "Repair of shapes that were spoilt"),
     ("grids.md", "Grids: set algebra, booleans of meshes"),
     ("peers_grids.md", "Grids by others"),
+    ("morph.md", "Morphology and distances of grids"),
+    ("volumes.md", "Scalar volumes"),
+    ("components.md", "Parts of grids"),
+    ("peers_components.md", "Parts of grids by others"),
+    ("peers_morph.md", "Morphology by others"),
     ("step.md", "The repair paper's experiment"),
 )
 if any(os.path.exists(path(name)) for name, _ in tables):

@@ -12,13 +12,14 @@
 #     BENCH_ONLY=grids      set algebra and booleans of meshes alone
 #     BENCH_ONLY=morph      morphology and distances of grids alone
 #     BENCH_ONLY=volumes    thresholds and surfaces of scalar volumes alone
+#     BENCH_ONLY=components parts of grids alone
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}" "${BENCH_ONLY:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt connected-components-3d"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -102,7 +103,20 @@ measure_volumes() {
     rm -f "$out/volume_dragon.f32"
 }
 
+measure_components() {
+    rm -f "$out"/components.md "$out"/peers_components.md
+    echo "== parts of grids"
+    "$BENCHES/bench_components" "$MESHES" "$out" 5 >"$out/components.md" && cat "$out/components.md"
+    if [ -n "$python" ]; then peer tests/bench/peers_components.py "$out" "$BENCHES/bench_components" "$MESHES"; fi
+    rm -f "$out"/components_*.npy
+}
+
 find_python
+if [ "$BENCH_ONLY" = components ]; then
+    measure_components
+    load >>"$out/load"
+    exit 0
+fi
 if [ "$BENCH_ONLY" = volumes ]; then
     measure_volumes
     exit 0
@@ -158,6 +172,7 @@ measure_field
 measure_grids
 measure_morph
 measure_volumes
+measure_components
 
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
