@@ -16,6 +16,7 @@ mkdir -p "$work"
 cat >"$work/known.txt" <<'END'
 core.BitwiseShift src/surface/cells.h at least one word is looked at
 core.BitwiseShift src/surface/face_rectangles.c a word is asked for only where the run meets it
+core.UndefinedBinaryOperatorResult src/section/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
 core.UndefinedBinaryOperatorResult src/surface/cell_loops.c the corners of a triangle are three that were just set
 core.UndefinedBinaryOperatorResult src/surface/facet_plane.c an end without a triangle has a normal of size 0, which is looked at first
 core.UndefinedBinaryOperatorResult src/voxelize/sheet.c what is summed round a point is set wherever reach is above 0, and looked at only there
