@@ -19,7 +19,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo python test-python test test-quick test-machines deps san golden matrix bare coverage fuzz analyze bench install uninstall amalgamation clean force \
+.PHONY: all help demo python test-python test test-quick test-machines deps san golden matrix bare coverage mcdc fuzz analyze bench install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -261,6 +261,9 @@ bare: ## the core on a Cortex-M3 without operating system, under an emulator
 
 coverage: ## branches of src/ that the quick tests take (gcovr)
 	@BUILD=$(BUILD) UNITY_DIR=$(UNITY_DIR) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/coverage.sh
+
+mcdc: ## conditions that decide in the predicates and tables, each by itself (clang-19)
+	@BUILD=$(BUILD) UNITY_DIR=$(UNITY_DIR) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/mcdc.sh
 
 analyze: ## cppcheck, clang-tidy, gcc's analyzer, stack of every function
 	@BUILD=$(BUILD) sh tests/tools/analyze.sh

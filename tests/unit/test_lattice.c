@@ -299,6 +299,20 @@ static void test_fit_refuses_what_has_no_bounds(void)
     for (int a = 0; a < 3; a++) TEST_ASSERT_EQUAL_INT32(1, lattice.dims[a]);
 }
 
+static void test_check_refuses_more_fraction_bits_than_fit(void)
+{
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    for (int a = 0; a < 3; a++) {
+        int32_t dims[3] = {1, 1, 1};
+        dims[a] = 1 << 20;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
+        TEST_ASSERT_EQUAL_INT32(9, lattice.fraction_bits);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_lattice_check(ctx, "test", &lattice));
+        lattice.fraction_bits = 10;
+        ASSERT_REFUSED(BVX_ERR_RANGE, bvxi_lattice_check(ctx, "test", &lattice), "not 10");
+    }
+}
+
 /* ---- Making ---- */
 
 static void test_make_gives_the_fraction_bits_that_fit(void)
@@ -517,5 +531,6 @@ int main(void)
     RUN_TEST(test_floor_shift_rounds_down);
     RUN_TEST(test_centres_below_counts_them);
     RUN_TEST(test_fraction_bits_formula);
+    RUN_TEST(test_check_refuses_more_fraction_bits_than_fit);
     return UNITY_END();
 }

@@ -1,0 +1,122 @@
+#!/bin/sh
+# mcdc.sh - modified condition/decision coverage of the predicates and tables: what decides geometry in whole numbers. Each
+# condition of each decision must be seen to turn the outcome by itself; a decision of one condition must be seen both ways.
+# Called by `make mcdc`; needs clang-19 and llvm-19 (llvm-profdata-19, llvm-cov-19) and python3. Prints a line a file and each
+# condition that no test decides by, unless it stands below. Ends with "N passed, N failed", one a file.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+: "${BUILD:=build}" "${MAKE_COMMAND:=make}" "${UNITY_DIR:=$BUILD/unity}"
+unset MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES CFLAGS
+for tool in clang-19 llvm-profdata-19 llvm-cov-19 python3; do
+    command -v $tool >/dev/null 2>&1 || { echo "$tool is missing (Debian: clang-19 llvm-19 python3)"; exit 77; }
+done
+
+files='src/core/exact.c src/lattice/lattice.c src/lattice/wide.h src/mesh/polygon_side.c
+    src/refine/children.c src/refine/children_batch.c
+    src/surface/apart.c src/surface/cell_loops.c src/surface/cells.h src/surface/count.c src/surface/keys.c
+    src/voxelize/conservative.c src/voxelize/crossings.c src/voxelize/sampled.c src/voxelize/solid_rows.c src/voxelize/spans.c
+    src/voxelize/thin.c src/voxelize/touch_batch.h src/voxelize/touch_cells.h src/voxelize/touch_rows.c'
+tests='below boolean cut_triangle edge_vector faces lattice lod memory merge polygon refine refine_children refine_parts sharp sharp_parts solid
+    solid_exact solid_same surface surface_sampled surface_thin surface_voxels tables vote weld winding'
+
+# Conditions that no test can decide by: FILE | TEXT OF THE LINE | REASON. The text may be a part of the line.
+exceptions='
+src/core/exact.c | if (up != 1.0 | only arithmetic that the library refuses decides here
+src/core/exact.c | (one_f + half_f) + half_f | only arithmetic that the library refuses decides here
+src/core/exact.c | above * below + minus | only arithmetic that the library refuses decides here
+src/lattice/lattice.c | while (log2 < 30 | no side is longer than 2^30: the shift is kept defined whatever is asked
+src/refine/children.c | most >= -half | the triangle touches the cube, so the far side of its box never misses it
+src/refine/children_batch.c | most >= -half | the triangle touches the cube, so the far side of its box never misses it
+src/voxelize/sampled.c | while (k * k > longest) | a rounded root is right already; kept so that the answer does not rest on it
+src/voxelize/sampled.c | while ((k + 1) * (k + 1) | a rounded root is right already; kept so that the answer does not rest on it
+src/voxelize/solid_rows.c | bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST | failures are made to happen in tests/fault
+src/voxelize/touch_batch.h | id != NULL | lists of triangles are for several tiles, which a build without threads has not
+'
+
+out=$BUILD/mcdc
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+mk() { "$MAKE_COMMAND" --no-print-directory -j "$(getconf _NPROCESSORS_ONLN)" CC=clang-19 OPENMP=0 \
+    'CFLAGS=-O1 -fprofile-instr-generate -fcoverage-mapping -fcoverage-mcdc' BUILD="$out/build" UNITY_DIR="$UNITY_DIR" "$@"; }
+folder=$(mk print-folder)
+goals=
+for t in $tests; do goals="$goals $folder/tests/unit/test_$t"; done
+# shellcheck disable=SC2086
+mk $goals "$folder/tests/golden/golden" >"$out/build.log" 2>&1 || {
+    tail -n 20 "$out/build.log"
+    exit 1
+}
+rm -f "$out"/*.profraw
+for program in $goals; do
+    LLVM_PROFILE_FILE="$out/$(basename "$program").profraw" "$program" >"$out/run.log" 2>&1 </dev/null || {
+        echo "FAIL $(basename "$program")"
+        tail -n 5 "$out/run.log"
+        exit 1
+    }
+done
+for path in '' --portable; do
+    LLVM_PROFILE_FILE="$out/golden$path.profraw" "$folder/tests/golden/golden" $path >"$out/run.log" 2>&1 </dev/null || {
+        echo "FAIL golden $path"
+        tail -n 5 "$out/run.log"
+        exit 1
+    }
+done
+llvm-profdata-19 merge -o "$out/all.profdata" "$out"/*.profraw || exit 1
+objects=
+for program in $goals; do objects="$objects -object $program"; done
+# shellcheck disable=SC2086
+llvm-cov-19 export -instr-profile "$out/all.profdata" "$folder/tests/golden/golden" $objects $files >"$out/export.json" 2>"$out/cov.log" || {
+    tail -n 5 "$out/cov.log"
+    exit 1
+}
+printf '%s\n' "$exceptions" >"$out/exceptions.txt"
+# shellcheck disable=SC2086
+python3 - "$out/export.json" "$out/exceptions.txt" $files <<'END'
+import json, os, sys
+data = json.load(open(sys.argv[1]))["data"][0]
+allowed = [[p.strip() for p in line.split("|", 2)] for line in open(sys.argv[2]) if line.count("|") >= 2]
+used, passed, failed = set(), 0, 0
+seen = {os.path.relpath(f["filename"]): f for f in data["files"]}
+for name in sys.argv[3:]:
+    f = seen.get(name)
+    if f is None:
+        print(f"FAIL  {name}: not in any test")
+        failed += 1
+        continue
+    lines = open(name).read().split("\n")
+    decisions, single = {}, {}
+    for r in f.get("mcdc_records", []):  # of each copy of an inline function
+        place, seen_to_decide = tuple(r[:4]), r[-1]
+        old = decisions.get(place, [False] * len(seen_to_decide))
+        decisions[place] = [a or b for a, b in zip(old, seen_to_decide)]
+    for b in f.get("branches", []):
+        place = tuple(b[:4])
+        if any((d[0], d[1]) <= (place[0], place[1]) and (place[2], place[3]) <= (d[2], d[3]) for d in decisions):
+            continue
+        old = single.get(place, (0, 0))
+        single[place] = (old[0] + b[4], old[1] + b[5])
+    missed = []
+    for place, conditions in decisions.items():
+        missed += [(place[0], f"condition {i + 1} of {len(conditions)}") for i, good in enumerate(conditions) if not good]
+    missed += [(p[0], "never " + " nor ".join(["true"] * (t == 0) + ["false"] * (n == 0))) for p, (t, n) in single.items() if t == 0 or n == 0]
+    total = sum(len(c) for c in decisions.values()) + len(single)
+    open_ones, excused = [], 0
+    for line, what in sorted(missed):
+        for k, (where, text, _) in enumerate(allowed):
+            if where == name and text in lines[line - 1]:
+                used.add(k)
+                excused += 1
+                break
+        else:
+            open_ones.append(f"      | {name}:{line}: {what}: {lines[line - 1].strip()}")
+    good = total - len(missed)
+    print(f"{'FAIL' if open_ones else 'ok  '}  {name}: {good} of {total} conditions{f', {excused} excepted' if excused else ''}")
+    print("\n".join(open_ones), end="\n" if open_ones else "")
+    failed += bool(open_ones)
+    passed += not open_ones
+for k, (where, text, _) in enumerate(allowed):
+    if k not in used:
+        print(f"note  {where}: an exception for nothing: {text}")
+print(f"{passed} passed, {failed} failed")
+sys.exit(failed != 0)
+END
