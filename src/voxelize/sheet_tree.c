@@ -89,7 +89,7 @@ static uint32_t cut_keys(const uint64_t *keys, uint32_t first, uint32_t end)
 }
 
 /* Cells are numbered as they are met from the whole down, earlier halves first; kept where there is room. */
-static void cut_cells(const uint64_t *keys, bvxi_sheet_tree *tree)
+static void cut_sheet_cells(const uint64_t *keys, bvxi_sheet_tree *tree)
 {
     uint32_t first[TREE_STACK], end[TREE_STACK], parent[TREE_STACK];
     int32_t count = 1;
@@ -117,7 +117,7 @@ static void cut_cells(const uint64_t *keys, bvxi_sheet_tree *tree)
     }
 }
 
-static const double *tree_point(const bvxi_sheet *s, const bvxi_sheet_tree *tree, uint64_t i)
+static const double *sheet_tree_point(const bvxi_sheet *s, const bvxi_sheet_tree *tree, uint64_t i)
 {
     return bvxi_sheet_point(s, tree->corner[i]);
 }
@@ -132,18 +132,18 @@ static double tree_distance(const double a[3], const double b[3])
 static void enclose_triangles(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bvxi_sheet_cell *c)
 {
     double low[3], high[3];
-    memcpy(low, tree_point(s, tree, 3 * (uint64_t)c->first), sizeof low);
+    memcpy(low, sheet_tree_point(s, tree, 3 * (uint64_t)c->first), sizeof low);
     memcpy(high, low, sizeof high);
     for (uint64_t i = 3 * (uint64_t)c->first; i < 3 * (uint64_t)c->end; i++)
         for (int a = 0; a < 3; a++) {
-            double const v = tree_point(s, tree, i)[a];
+            double const v = sheet_tree_point(s, tree, i)[a];
             if (v < low[a]) low[a] = v;
             if (v > high[a]) high[a] = v;
         }
     c->radius = 0;
     for (int a = 0; a < 3; a++) c->centre[a] = 0.5 * (low[a] + high[a]);
     for (uint64_t i = 3 * (uint64_t)c->first; i < 3 * (uint64_t)c->end; i++) {
-        double const d = tree_distance(c->centre, tree_point(s, tree, i));
+        double const d = tree_distance(c->centre, sheet_tree_point(s, tree, i));
         if (d > c->radius) c->radius = d;
     }
     c->radius *= 1 + 1e-12; /* beyond what rounding takes */
@@ -166,7 +166,7 @@ static void add_triangle_moments(const bvxi_sheet *s, const bvxi_sheet_tree *tre
     double const root = sqrt(15.0);
     double const weight[3] = {9.0 / 40, (155 - root) / 1200, (155 + root) / 1200};
     double const side[3] = {1.0 / 3, (6 - root) / 21, (6 + root) / 21};
-    const double *const p[3] = {tree_point(s, tree, 3 * t), tree_point(s, tree, 3 * t + 1), tree_point(s, tree, 3 * t + 2)};
+    const double *const p[3] = {sheet_tree_point(s, tree, 3 * t), sheet_tree_point(s, tree, 3 * t + 1), sheet_tree_point(s, tree, 3 * t + 2)};
     double u[3], v[3], n[3];
     for (int a = 0; a < 3; a++) {
         u[a] = p[1][a] - p[0][a];
@@ -187,7 +187,7 @@ static void add_triangle_moments(const bvxi_sheet *s, const bvxi_sheet_tree *tre
     }
 }
 
-static void fill_cell(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bvxi_sheet_cell *c)
+static void fill_sheet_cell(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bvxi_sheet_cell *c)
 {
     const bvxi_sheet_cell *half[2];
     c->area = 0;
@@ -208,19 +208,19 @@ static void fill_cell(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bvxi_she
     }
 }
 
-static bvx_status make_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_tree *tree)
+static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_tree *tree)
 {
     uint64_t const bytes = tree->triangles * 8;
     uint64_t *keys = NULL;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles' places", &keys);
     if (status == BVX_OK) status = order_triangles(ctx, s, tree, keys);
     if (status == BVX_OK) {
-        cut_cells(keys, tree);
+        cut_sheet_cells(keys, tree);
         status = bvxi_alloc(ctx, BVXI_SCRATCH, tree->cells * sizeof *tree->cell, "the sheet's cells", &tree->cell);
     }
     if (status == BVX_OK) {
-        cut_cells(keys, tree);
-        for (uint64_t c = tree->cells; c-- > 0;) fill_cell(s, tree, &tree->cell[c]);
+        cut_sheet_cells(keys, tree);
+        for (uint64_t c = tree->cells; c-- > 0;) fill_sheet_cell(s, tree, &tree->cell[c]);
     }
     bvxi_free(ctx, keys, bytes);
     return status;
@@ -246,7 +246,7 @@ bvx_status bvxi_sheet_tree_open(bvx_context *ctx, const bvxi_sheet *sheet, bvxi_
     bvxi_series_open(&t->table);
     t->triangles = holes->points - 2 * holes->loops;
     status = bvxi_alloc(ctx, BVXI_SCRATCH, t->triangles * 12, "the sheet's triangles", &t->corner);
-    if (status == BVX_OK) status = make_cells(ctx, sheet, t);
+    if (status == BVX_OK) status = make_sheet_cells(ctx, sheet, t);
     if (status == BVX_OK) *tree = t;
     else bvxi_sheet_tree_close(ctx, t);
     return status;

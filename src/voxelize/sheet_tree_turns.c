@@ -46,7 +46,7 @@ static void start_view(const bvxi_turns_block *block, const turns_brick *b, cons
 }
 
 /* Cells that are near stay pending; larger ones than the brick in their halves. */
-static void view_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32_t *pending, tree_view *v)
+static void view_sheet_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32_t *pending, tree_view *v)
 {
     uint32_t stack[TREE_BRICK_STACK];
     int32_t count = 1;
@@ -132,9 +132,9 @@ static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_
     int32_t whole;
     int clear;
     start_view(block, b, above, v);
-    if (above == NULL) view_cell(tree, 0, pending, v);
+    if (above == NULL) view_sheet_cell(tree, 0, pending, v);
     else
-        for (uint64_t i = 0; i < above->pendings; i++) view_cell(tree, left[i], pending, v);
+        for (uint64_t i = 0; i < above->pendings; i++) view_sheet_cell(tree, left[i], pending, v);
     if (is_one_number(block, v, &whole, &clear)) settle_brick(block, b, whole, block->want_clear && clear);
     else if (b->side > TREE_SMALL) return 0;
     else view_centres(block, b, pending, v);
