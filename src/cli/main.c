@@ -49,7 +49,7 @@ static void print_overview(FILE *to)
 {
     fprintf(to, "bitvox - shapes to bit-packed voxels and back\n\n"
                 "usage: bitvox COMMAND IN -o OUT [options]\n\n");
-    for (int i = 0; i < COMMANDS; i++) fprintf(to, "  %-10s %s\n", commands[i]->name, commands[i]->does);
+    for (int i = 0; i < COMMANDS; i++) fprintf(to, "  %-11s %s\n", commands[i]->name, commands[i]->does);
     fprintf(to, "\nbitvox COMMAND --help tells a command's options; bitvox --version tells the version;\n"
                 "bitvox help --man is the manual page, bitvox help --bash-completion a script for bash.\n"
                 "Exit status: 0 done, 1 bad input or failure, 2 wrong usage, 130 interrupted.\n");

@@ -32,7 +32,7 @@ NAMES = {
     "lod": ([bitvox.lod, *VOLUME], {"samples": bitvox.compare, **OF_VOLUMES}),
     "repair": ([bitvox.repair], {}),
     "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "leaves": bitvox.Octree.leaves, "cut": None}),
-    "sections": ([bitvox.from_sections], {"block-model": None, "block": None}),
+    "sections": ([bitvox.from_sections, bitvox.read], {"block-model": None, "block": None}),
     "slice": ([bitvox.slice_mesh], {}),
     "faces": ([bitvox.faces, bitvox.voxelize, *VOLUME], {"origin": "corner", **OF_VOLUMES}),
     "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets], {"seed": "seeds", "add-shell": bitvox.Grid.__or__}),
