@@ -241,6 +241,11 @@ static void fuzz_shell(bvx_context *ctx, bvx_context *other, fuzz_input *in, con
     o.thickness = fuzz_range(in, 1, 24) / 8.0;
     o.beyond = fuzz_range(in, 0, 1);
     o.report = &report;
+    for (int a = 0; a < 3; a++)
+        if (o.thickness < grid->lattice.spacing[a]) { /* would leave no shell */
+            fuzz_require(bvx_grid_hollow(ctx, grid, &o, &shell) == BVX_ERR_RANGE && shell.words == NULL, "a hollow thinner than a voxel");
+            return;
+        }
     fuzz_must(ctx, bvx_grid_hollow(ctx, grid, &o, &shell));
     fuzz_good_calls++;
     hollowed = fuzz_set(ctx, grid) - fuzz_set(ctx, &shell);
