@@ -259,58 +259,24 @@ static void test_set_algebra_cancels_at_every_progress_call(void **state)
 
 static void test_set_algebra_under_every_memory_limit(void **state)
 {
-    enum { STEPS = 40 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int i = 0; i < CASES; i++) {
         algebra_case *const c = take_case(i);
-        uint64_t need = bvx_memory_used(maker);
-        bvx_memory_reset_peak(maker);
-        assert_int_equal(run_case(c, maker), BVX_OK);
-        assert_int_equal(bvx_memory_used(maker), need);
-        need = bvx_memory_peak(maker) - need;
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_context_options const base = default_options();
-            bvx_context_options o = fault_options(&base, &heap);
-            bvx_context *ctx;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
-            o.threads = 1;
-            ctx = context_with(&o);
-            assert_int_equal(run_case(c, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
-            bvx_context_destroy(ctx);
-            assert_well(c, fault_end(&heap));
-        }
+        assert_well(c, fault_every_limit(run_case, c, &o, 40));
     }
 }
 
 static void test_set_algebra_lives_in_an_arena(void **state)
 {
-    enum { STEPS = 30 };
-    size_t const most = (size_t)1 << 21;
-    unsigned char *const memory = malloc(most);
+    bvx_context_options o = default_options();
     (void)state;
-    assert_non_null(memory);
+    o.threads = 1;
     for (int i = 0; i < CASES; i++) {
         algebra_case *const c = take_case(i);
-        for (size_t n = 1; n <= STEPS; n++) {
-            bvx_context_options o = default_options();
-            bvx_context *ctx;
-            bvx_status first;
-            o.arena = memory;
-            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
-            o.threads = 1;
-            ctx = context_with(&o);
-            first = run_case(c, ctx);
-            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
-            assert_int_equal(run_case(c, ctx), first); /* all of it came back */
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            bvx_context_destroy(ctx);
-        }
-        assert_well(c, NULL);
+        assert_well(c, fault_every_arena(run_case, c, &o, 1 << 21, 30));
     }
-    free(memory);
 }
 
 /* A result of the caller's words stays his, also when the call is cancelled. */

@@ -182,60 +182,25 @@ static void test_cancelled_at_every_progress_call(void **state)
 
 static void test_under_every_memory_limit(void **state)
 {
-    enum { STEPS = 25 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int kind = 0; kind < KINDS; kind++) {
-        uint64_t const held = bvx_memory_used(maker);
-        uint64_t need;
         know(kind);
-        bvx_memory_reset_peak(maker);
-        assert_int_equal(operate(&kind, maker), BVX_OK);
-        assert_int_equal(bvx_memory_used(maker), held);
-        need = bvx_memory_peak(maker) - held;
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_context_options const base = default_options();
-            bvx_context_options o = fault_options(&base, &heap);
-            bvx_context *ctx;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1);
-            o.threads = 1;
-            ctx = context_with(&o);
-            assert_int_equal(operate(&kind, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
-            bvx_context_destroy(ctx);
-            assert_well(kind, fault_end(&heap));
-        }
+        assert_well(kind, fault_every_limit(operate, &kind, &o, 25));
     }
 }
 
 static void test_in_arenas_of_every_size(void **state)
 {
-    enum { STEPS = 25 };
-    size_t const most = (size_t)4 << 20;
-    unsigned char *const memory = malloc(most);
+    bvx_context_options o = default_options();
     (void)state;
-    assert_non_null(memory);
+    o.threads = 1;
     for (int kind = 0; kind < KINDS; kind++) {
         know(kind);
-        for (size_t n = 1; n <= STEPS; n++) {
-            bvx_context_options o = default_options();
-            bvx_context *ctx;
-            bvx_status first;
-            o.arena = memory;
-            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
-            o.threads = 1;
-            ctx = context_with(&o);
-            first = operate(&kind, ctx);
-            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
-            assert_int_equal(operate(&kind, ctx), first); /* all of it came back */
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            bvx_context_destroy(ctx);
-        }
+        assert_well(kind, fault_every_arena(operate, &kind, &o, 4 << 20, 25));
         assert_true(mark == wanted[kind]);
-        assert_well(kind, NULL);
     }
-    free(memory);
 }
 
 int main(void)

@@ -235,58 +235,24 @@ static void test_fills_cancel_at_every_progress_call(void **state)
 
 static void test_fills_under_every_memory_limit(void **state)
 {
-    enum { STEPS = 60 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int i = 0; i < KINDS; i++) {
         fill_kind *const f = take_fill(i);
-        uint64_t need = bvx_memory_used(maker);
-        bvx_memory_reset_peak(maker);
-        assert_int_equal(run_fill(f, maker), BVX_OK);
-        assert_int_equal(bvx_memory_used(maker), need);
-        need = bvx_memory_peak(maker) - need;
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_context_options const base = default_options();
-            bvx_context_options o = fault_options(&base, &heap);
-            bvx_context *ctx;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
-            o.threads = 1;
-            ctx = context_with(&o);
-            assert_int_equal(run_fill(f, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
-            bvx_context_destroy(ctx);
-            assert_well(f, fault_end(&heap));
-        }
+        assert_well(f, fault_every_limit(run_fill, f, &o, 60));
     }
 }
 
 static void test_fills_live_in_an_arena(void **state)
 {
-    enum { STEPS = 40 };
-    size_t const most = (size_t)2 << 20;
-    unsigned char *const memory = malloc(most);
+    bvx_context_options o = default_options();
     (void)state;
-    assert_non_null(memory);
+    o.threads = 1;
     for (int i = 0; i < KINDS; i++) {
         fill_kind *const f = take_fill(i);
-        for (size_t n = 1; n <= STEPS; n++) {
-            bvx_context_options o = default_options();
-            bvx_context *ctx;
-            bvx_status first;
-            o.arena = memory;
-            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
-            o.threads = 1;
-            ctx = context_with(&o);
-            first = run_fill(f, ctx);
-            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
-            assert_int_equal(run_fill(f, ctx), first); /* all of it came back */
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            bvx_context_destroy(ctx);
-        }
-        assert_well(f, NULL);
+        assert_well(f, fault_every_arena(run_fill, f, &o, 2 << 20, 40));
     }
-    free(memory);
 }
 
 int main(void)

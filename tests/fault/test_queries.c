@@ -199,59 +199,24 @@ static void test_queries_cancel_at_every_progress_call(void **state)
 
 static void test_queries_under_every_memory_limit(void **state)
 {
-    enum { STEPS = 60 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int i = 0; i < KINDS; i++) {
         query *const q = take_query(i);
-        uint64_t need = bvx_memory_used(maker);
-        if (!q->allocates) continue;
-        bvx_memory_reset_peak(maker);
-        assert_int_equal(run_query(q, maker), BVX_OK);
-        assert_int_equal(bvx_memory_used(maker), need);
-        need = bvx_memory_peak(maker) - need;
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_context_options const base = default_options();
-            bvx_context_options o = fault_options(&base, &heap);
-            bvx_context *ctx;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
-            o.threads = 1;
-            ctx = context_with(&o);
-            assert_int_equal(run_query(q, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
-            bvx_context_destroy(ctx);
-            assert_well(q, fault_end(&heap));
-        }
+        if (q->allocates) assert_well(q, fault_every_limit(run_query, q, &o, 60));
     }
 }
 
 static void test_queries_live_in_an_arena(void **state)
 {
-    enum { STEPS = 40 };
-    size_t const most = (size_t)1 << 20;
-    unsigned char *const memory = malloc(most);
+    bvx_context_options o = default_options();
     (void)state;
-    assert_non_null(memory);
+    o.threads = 1;
     for (int i = 0; i < KINDS; i++) {
         query *const q = take_query(i);
-        for (size_t n = 1; n <= STEPS; n++) {
-            bvx_context_options o = default_options();
-            bvx_context *ctx;
-            bvx_status first;
-            o.arena = memory;
-            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
-            o.threads = 1;
-            ctx = context_with(&o);
-            first = run_query(q, ctx);
-            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
-            assert_int_equal(run_query(q, ctx), first); /* all of it came back */
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            bvx_context_destroy(ctx);
-        }
-        assert_well(q, NULL);
+        assert_well(q, fault_every_arena(run_query, q, &o, 1 << 20, 40));
     }
-    free(memory);
 }
 
 /* Results that live on while others come and go do not hold the arena's scratch. */

@@ -222,30 +222,13 @@ static void test_refinement_under_every_memory_limit(void **state)
 
 static void test_refinement_lives_in_an_arena(void **state)
 {
-    enum { STEPS = 30 };
-    size_t const most = (size_t)1 << 23;
-    unsigned char *const memory = malloc(most);
+    bvx_context_options o = default_options();
     (void)state;
-    assert_non_null(memory);
+    o.threads = 1;
     for (int32_t start = 0; start <= 4; start += 2) {
         refine_run run = run_of(start);
-        for (size_t n = 1; n <= STEPS; n++) {
-            bvx_context_options o = default_options();
-            bvx_context *ctx;
-            bvx_status first;
-            o.arena = memory;
-            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
-            o.threads = 1;
-            ctx = context_with(&o);
-            first = run_refine(&run, ctx);
-            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
-            assert_int_equal(run_refine(&run, ctx), first); /* all of it came back */
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            bvx_context_destroy(ctx);
-        }
-        assert_run(&run, NULL);
+        assert_run(&run, fault_every_arena(run_refine, &run, &o, 1 << 23, 30));
     }
-    free(memory);
 }
 
 int main(void)

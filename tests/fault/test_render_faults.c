@@ -182,31 +182,12 @@ static void test_cancel_at_every_progress_call_of_a_picture(void **state)
 /* Limits from 1 byte to what the picture needs. */
 static void test_every_memory_limit_of_a_picture(void **state)
 {
-    enum { STEPS = 60 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int i = 0; i < PICTURES; i++) {
         trial t = trial_of(i);
-        uint64_t need = bvx_memory_used(maker);
-        bvx_memory_reset_peak(maker);
-        assert_int_equal(run_trial(&t, maker), BVX_OK);
-        assert_int_equal(bvx_memory_used(maker), need);
-        need = bvx_memory_peak(maker) - need;
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_context_options const base = default_options();
-            bvx_context_options o = fault_options(&base, &heap);
-            bvx_context *ctx;
-            bvx_status status;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
-            o.threads = 1;
-            ctx = context_with(&o);
-            status = run_trial(&t, ctx);
-            assert_int_equal(status, n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
-            bvx_context_destroy(ctx);
-            assert_well(i, fault_end(&heap));
-        }
+        assert_well(i, fault_every_limit(run_trial, &t, &o, 60));
     }
 }
 

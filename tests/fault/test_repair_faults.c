@@ -95,29 +95,10 @@ static void test_repair_cancels_at_every_progress_call(void **state)
 
 static void test_repair_under_memory_limits(void **state)
 {
-    enum { STEPS = 60 };
-    bvx_context_options plain = default_options();
-    bvx_context *maker;
-    uint64_t need;
+    bvx_context_options o = default_options();
     (void)state;
-    plain.threads = 1;
-    maker = context_with(&plain);
-    assert_int_equal(repair_once(NULL, maker), BVX_OK);
-    assert_int_equal(bvx_memory_used(maker), 0);
-    need = bvx_memory_peak(maker);
-    bvx_context_destroy(maker);
-    for (uint64_t n = 0; n <= STEPS; n++) {
-        fault_heap heap = {0};
-        bvx_context_options o = fault_options(&plain, &heap);
-        bvx_context *ctx;
-        o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1);
-        ctx = context_with(&o);
-        assert_int_equal(repair_once(NULL, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-        assert_int_equal(bvx_memory_used(ctx), 0);
-        assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
-        bvx_context_destroy(ctx);
-        assert_well(fault_end(&heap));
-    }
+    o.threads = 1;
+    assert_well(fault_every_limit(repair_once, NULL, &o, 60));
 }
 
 static void test_repair_lives_in_an_arena(void **state)

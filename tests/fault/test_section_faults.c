@@ -146,26 +146,12 @@ static void test_sections_cancel_at_every_progress_call(void **state)
 
 static void test_sections_under_every_memory_limit(void **state)
 {
-    enum { STEPS = 60 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int kind = 0; kind < RUNS; kind++) {
         section_run run = run_of(kind);
-        uint64_t need;
-        bvx_memory_reset_peak(maker);
-        assert_int_equal(run_sections(&run, maker), BVX_OK);
-        need = bvx_memory_peak(maker);
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_context_options const plain = default_options();
-            bvx_context_options o = fault_options(&plain, &heap);
-            bvx_context *ctx;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1);
-            ctx = context_with(&o);
-            assert_int_equal(run_sections(&run, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            bvx_context_destroy(ctx);
-            assert_run(&run, fault_end(&heap));
-        }
+        assert_run(&run, fault_every_limit(run_sections, &run, &o, 60));
     }
 }
 

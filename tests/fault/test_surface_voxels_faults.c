@@ -191,58 +191,24 @@ static void test_cancel_at_every_progress_call(void **state)
 
 static void test_under_every_memory_limit(void **state)
 {
-    enum { STEPS = 40 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int i = 0; i < CALLS; i++) {
         surface_call *const c = take_call(i);
-        uint64_t need = bvx_memory_used(maker);
-        bvx_memory_reset_peak(maker);
-        assert_int_equal(run_call(c, maker), BVX_OK);
-        assert_int_equal(bvx_memory_used(maker), need);
-        need = bvx_memory_peak(maker) - need;
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_context_options const base = default_options();
-            bvx_context_options o = fault_options(&base, &heap);
-            bvx_context *ctx;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
-            o.threads = 1;
-            ctx = context_with(&o);
-            assert_int_equal(run_call(c, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
-            bvx_context_destroy(ctx);
-            assert_well(c, fault_end(&heap));
-        }
+        assert_well(c, fault_every_limit(run_call, c, &o, 40));
     }
 }
 
 static void test_in_an_arena(void **state)
 {
-    enum { STEPS = 30 };
-    size_t const most = (size_t)1 << 23;
-    unsigned char *const memory = malloc(most);
+    bvx_context_options o = default_options();
     (void)state;
-    assert_non_null(memory);
+    o.threads = 1;
     for (int i = 0; i < CALLS; i++) {
         surface_call *const c = take_call(i);
-        for (size_t n = 1; n <= STEPS; n++) {
-            bvx_context_options o = default_options();
-            bvx_context *ctx;
-            bvx_status first;
-            o.arena = memory;
-            o.arena_size = 4096 + (most - 4096) / STEPS / STEPS * n * n;
-            o.threads = 1;
-            ctx = context_with(&o);
-            first = run_call(c, ctx);
-            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
-            assert_int_equal(run_call(c, ctx), first); /* all of it came back */
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            bvx_context_destroy(ctx);
-        }
-        assert_well(c, NULL);
+        assert_well(c, fault_every_arena(run_call, c, &o, 1 << 23, 30));
     }
-    free(memory);
 }
 
 int main(void)

@@ -209,56 +209,24 @@ static void test_volumes_cancel_at_every_progress_call(void **state)
 
 static void test_volumes_under_every_memory_limit(void **state)
 {
-    enum { STEPS = 40 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int i = 0; i < OPERATIONS; i++) {
         operation *const q = take_operation(i);
-        bvx_context_options plain = default_options();
-        bvx_context *const free_ctx = context_with(&plain);
-        uint64_t need;
-        assert_int_equal(run_operation(q, free_ctx), BVX_OK);
-        need = bvx_memory_peak(free_ctx);
-        bvx_context_destroy(free_ctx);
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_context_options o = fault_options(&plain, &heap);
-            bvx_context *ctx;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
-            ctx = context_with(&o);
-            assert_int_equal(run_operation(q, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
-            bvx_context_destroy(ctx);
-            assert_well(q, fault_end(&heap));
-        }
+        assert_well(q, fault_every_limit(run_operation, q, &o, 40));
     }
 }
 
 static void test_volumes_live_in_an_arena(void **state)
 {
-    enum { STEPS = 20 };
-    size_t const most = (size_t)1 << 23;
-    unsigned char *const memory = malloc(most);
+    bvx_context_options o = default_options();
     (void)state;
-    assert_non_null(memory);
+    o.threads = 1;
     for (int i = 0; i < OPERATIONS; i++) {
         operation *const q = take_operation(i);
-        for (size_t n = 1; n <= STEPS; n++) {
-            bvx_context_options o = default_options();
-            bvx_context *ctx;
-            bvx_status first;
-            o.arena = memory;
-            o.arena_size = 4096 + (most - 4096) * n * n / STEPS / STEPS;
-            ctx = context_with(&o);
-            first = run_operation(q, ctx);
-            assert_true(first == BVX_OK || (first == BVX_ERR_MEMORY && n < STEPS));
-            assert_int_equal(run_operation(q, ctx), first); /* all of it came back */
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            bvx_context_destroy(ctx);
-        }
-        assert_well(q, NULL);
+        assert_well(q, fault_every_arena(run_operation, q, &o, 1 << 23, 20));
     }
-    free(memory);
 }
 
 /* Names of data files ask for no memory, and a head cut off anywhere gives none or those of a shorter head. */

@@ -171,28 +171,12 @@ static void test_cancelled_at_every_progress_call(void **state)
 
 static void test_every_memory_limit(void **state)
 {
-    enum { STEPS = 60 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int i = 0; i < KINDS; i++) {
         wind_kind *const k = take_kind(i);
-        uint64_t need = bvx_memory_used(maker);
-        bvx_memory_reset_peak(maker);
-        assert_int_equal(run_kind(k, maker), BVX_OK);
-        assert_int_equal(bvx_memory_used(maker), need);
-        need = bvx_memory_peak(maker) - need;
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_context_options const base = default_options();
-            bvx_context_options o = fault_options(&base, &heap);
-            bvx_context *ctx;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1);
-            o.threads = 1;
-            ctx = context_with(&o);
-            assert_int_equal(run_kind(k, ctx), n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            bvx_context_destroy(ctx);
-            assert_well(k, fault_end(&heap));
-        }
+        assert_well(k, fault_every_limit(run_kind, k, &o, 60));
     }
 }
 

@@ -122,33 +122,12 @@ static void test_cancel_writers_at_every_progress_call(void **state)
 
 static void test_writers_under_every_memory_limit(void **state)
 {
-    enum { STEPS = 100 };
+    bvx_context_options o = default_options();
     (void)state;
+    o.threads = 1;
     for (int i = 0; i < WRITERS; i++) {
-        bvx_context_options o = default_options();
-        bvx_context *ctx;
-        uint64_t need;
-        o.threads = 1;
         writing w = start(i, &o);
-        ctx = context_with(&o);
-        assert_int_equal(run_writing(&w, ctx), BVX_OK);
-        need = bvx_memory_peak(ctx);
-        bvx_context_destroy(ctx);
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            fault_heap heap = {0};
-            bvx_status status;
-            o = fault_options(NULL, &heap);
-            o.threads = 1;
-            o.memory_limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
-            ctx = context_with(&o);
-            status = run_writing(&w, ctx);
-            assert_int_equal(status, n == STEPS ? BVX_OK : BVX_ERR_BUDGET);
-            if (status != BVX_OK) assert_non_null(strstr(bvx_last_message(ctx), "limit"));
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
-            bvx_context_destroy(ctx);
-            assert_writing(&w, fault_end(&heap));
-        }
+        assert_writing(&w, fault_every_limit(run_writing, &w, &o, 100));
     }
 }
 

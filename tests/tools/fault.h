@@ -269,4 +269,73 @@ static inline const char *fault_every_cancel(fault_operation_fn *operation, void
     }
 }
 
+/* What the operation takes at most when nothing is in its way; NULL and *need, else what was wrong. */
+static inline const char *fault_peak(fault_operation_fn *operation, void *user, const bvx_context_options *base, uint64_t *need)
+{
+    fault_heap heap = {0};
+    bvx_context_options const o = fault_options(base, &heap);
+    bvx_context *context = NULL;
+    const char *wrong, *left;
+    if (bvx_context_create(&o, &context) != BVX_OK) return "no context";
+    bvx_memory_reset_peak(context);
+    wrong = fault_after(context, operation(user, context), BVX_OK);
+    *need = bvx_memory_peak(context);
+    bvx_context_destroy(context);
+    left = fault_end(&heap);
+    return wrong != NULL ? wrong : left;
+}
+
+/* Run under steps memory limits spread over 1 .. peak - 1, each of which gives BVX_ERR_BUDGET and is kept, and under the peak
+ * itself, which is enough. */
+static inline const char *fault_every_limit(fault_operation_fn *operation, void *user, const bvx_context_options *base, uint64_t steps)
+{
+    uint64_t need = 0;
+    const char *const first = fault_peak(operation, user, base, &need);
+    if (first != NULL) return first;
+    if (need < 2) return "an operation that takes no memory";
+    for (uint64_t n = 0; n <= steps; n++) {
+        fault_heap heap = {0};
+        bvx_context_options o = fault_options(base, &heap);
+        bvx_context *context = NULL;
+        const char *wrong, *left;
+        o.memory_limit = n == steps ? need : 1 + (need - 2) * n / (steps - 1);
+        if (bvx_context_create(&o, &context) != BVX_OK) return fault_at(o.memory_limit, "limit", 0, "no context");
+        wrong = fault_after(context, operation(user, context), n == steps ? BVX_OK : BVX_ERR_BUDGET);
+        if (wrong == NULL && bvx_memory_peak(context) > o.memory_limit) wrong = "more memory than the limit";
+        bvx_context_destroy(context);
+        left = fault_end(&heap);
+        if (wrong == NULL) wrong = left;
+        if (wrong != NULL) return fault_at(o.memory_limit, "limit", 0, wrong);
+    }
+    return NULL;
+}
+
+/* Run twice in each of steps arenas of up to most bytes, small ones closer together: both times the same, BVX_OK or
+ * BVX_ERR_MEMORY, and the largest arena is enough. */
+static inline const char *fault_every_arena(fault_operation_fn *operation, void *user, const bvx_context_options *base, uint64_t most,
+                                            uint64_t steps)
+{
+    unsigned char *const memory = malloc((size_t)most);
+    const char *wrong = memory == NULL ? "no memory for the arena" : NULL;
+    for (uint64_t n = 1; n <= steps && wrong == NULL; n++) {
+        bvx_context_options o;
+        bvx_context *context = NULL;
+        if (base != NULL) o = *base;
+        else bvx_context_options_init(&o, sizeof o);
+        o.arena = memory;
+        o.arena_size = 4096 + (most - 4096) * n * n / steps / steps;
+        if (bvx_context_create(&o, &context) != BVX_OK) {
+            wrong = "no context";
+        } else {
+            bvx_status const first = operation(user, context);
+            wrong = fault_after(context, first, first == BVX_ERR_MEMORY && n < steps ? BVX_ERR_MEMORY : BVX_OK);
+            if (wrong == NULL) wrong = fault_after(context, operation(user, context), first); /* all of it came back */
+        }
+        bvx_context_destroy(context);
+        if (wrong != NULL) wrong = fault_at(o.arena_size, "arena", 0, wrong);
+    }
+    free(memory);
+    return wrong;
+}
+
 #endif
