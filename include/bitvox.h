@@ -485,8 +485,9 @@ typedef struct bvx_voxelize_options {
     int32_t reserved;
     bvx_window window;        /**< flood, regions: the whole lattice only [Default: all zero, the whole lattice] */
     bvx_solid_report *report; /**< receives counts when not NULL [Default: NULL] */
-    int32_t close_gaps;       /**< flood: gaps of up to this many voxels hold the flood, which is to say: it moves as a cube of
-                                   close_gaps + 1 voxels a side [Units: voxels] [Limit: 0..65535] [Default: 0] */
+    int32_t close_gaps;       /**< flood: gaps of up to this many voxels are walls: voxels that no empty cube of close_gaps + 1 voxels a
+                                   side holds. Past them the flood moves voxel by voxel, and may find a way where walls slant
+                                   [Units: voxels] [Limit: 0..65535] [Default: 0] */
     int32_t add_shell;        /**< 1: voxels of the conservative surface are set too; not for below [Default: 0] */
     int32_t check_edges;      /**< 1: count the report's boundary_edges and flipped_edges [Default: 0] */
     int32_t axis;             /**< below: up is towards + along this axis [Limit: 0..2] [Default: 2] */

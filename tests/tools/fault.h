@@ -301,6 +301,7 @@ static inline const char *fault_every_limit(fault_operation_fn *operation, void 
         o.memory_limit = n == steps ? need : 1 + (need - 2) * n / (steps - 1);
         if (bvx_context_create(&o, &context) != BVX_OK) return fault_at(o.memory_limit, "limit", 0, "no context");
         wrong = fault_after(context, operation(user, context), n == steps ? BVX_OK : BVX_ERR_BUDGET);
+        if (wrong == NULL && n < steps && strstr(bvx_last_message(context), "limit") == NULL) wrong = "a message that names no limit";
         if (wrong == NULL && bvx_memory_peak(context) > o.memory_limit) wrong = "more memory than the limit";
         bvx_context_destroy(context);
         left = fault_end(&heap);
