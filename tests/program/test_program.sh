@@ -3,43 +3,10 @@
 # PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is
 # "N passed, N failed[, N skipped]". Runs in the repository's root, works in a folder of its own.
 set -u
-program=${1:-${BITVOX:-build/bitvox}}
-case $program in
-/*) ;;
-*) program=$PWD/$program ;;
-esac
-root=$PWD
-knot=$root/fixtures/knot.ply
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-trap 'exit 130' INT TERM
-cd "$work" || exit 1
-passed=0 failed=0 skipped=0
+. tests/tools/program_checks.sh
 
-ok() { passed=$((passed + 1)); echo "ok $1"; }
-not_ok() { # NAME, WHY
-    failed=$((failed + 1))
-    echo "not ok $1"
-    echo "# $2"
-    sed 's/^/#   /' err | head -n 5
-}
-skip() { skipped=$((skipped + 1)); echo "ok $1 # SKIP $2"; }
-has() { command -v "$1" >/dev/null 2>&1; }
-
-: >out
-: >err
 : >before
 : >after
-run() { # ARGUMENTS...: sets $status; out and err hold what was said
-    "$program" "$@" >out 2>err </dev/null
-    status=$?
-}
-
-holds() { # NAME, COMMAND...: the command succeeds
-    holds_name=$1
-    shift
-    if "$@" >/dev/null 2>&1; then ok "$holds_name"; else not_ok "$holds_name" "failed: $*"; fi
-}
 
 # What must hold after a refusal: the status, one line on standard error with these words, nothing else anywhere.
 refuses() { # STATUS, WORDS, ARGUMENTS...

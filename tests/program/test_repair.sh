@@ -3,32 +3,9 @@
 # check, "ok NAME" or "not ok NAME"; the last line is "N passed, N failed[, N skipped]". Runs in the repository's root, works in a
 # folder of its own.
 set -u
-program=${1:-${BITVOX:-build/bitvox}}
-case $program in
-/*) ;;
-*) program=$PWD/$program ;;
-esac
-knot=$PWD/fixtures/knot.ply
-terrain=$PWD/fixtures/terrain.ply
-meshes=$PWD/../shared/meshes
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-trap 'exit 130' INT TERM
-cd "$work" || exit 1
-passed=0 failed=0 skipped=0
-
-result() { # NAME, 0 OR 1
-    if [ "$2" = 0 ]; then
-        passed=$((passed + 1)) && echo "ok $1"
-    else
-        failed=$((failed + 1)) && echo "not ok $1" && sed 's/^/#   /' err | head -n 5
-    fi
-}
-
-run() { # ARGUMENTS...: sets $status; out and err hold what was said
-    "$program" "$@" >out 2>err </dev/null
-    status=$?
-}
+. tests/tools/program_checks.sh
+terrain=$root/fixtures/terrain.ply
+meshes=$root/../shared/meshes
 
 # The result is certified by info, a second reading of the file.
 certified() { # NAME, IN, OPTIONS...

@@ -3,35 +3,8 @@
 # BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is "N passed, N failed[, N skipped]". Runs in the repository's
 # root, works in a folder of its own; CONTOURS is the folder of real contours [../shared/contours].
 set -u
-program=${1:-${BITVOX:-build/bitvox}}
-case $program in
-/*) ;;
-*) program=$PWD/$program ;;
-esac
-root=$PWD
-knot=$root/fixtures/knot.ply
+. tests/tools/program_checks.sh
 contours=${CONTOURS:-$root/../shared/contours}
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-trap 'exit 130' INT TERM
-cd "$work" || exit 1
-passed=0 failed=0 skipped=0
-
-ok() { passed=$((passed + 1)); echo "ok $1"; }
-not_ok() { # NAME, WHY
-    failed=$((failed + 1))
-    echo "not ok $1"
-    echo "# $2"
-    sed 's/^/#   /' err | head -n 5
-}
-skip() { skipped=$((skipped + 1)); echo "ok $1 # SKIP $2"; }
-
-: >out
-: >err
-run() { # ARGUMENTS...: sets $status; out and err hold what was said
-    "$program" "$@" >out 2>err </dev/null
-    status=$?
-}
 
 gives() { # NAME, STATUS, WORDS (in out or err), ARGUMENTS...
     gives_name=$1 gives_status=$2 gives_words=$3

@@ -3,48 +3,19 @@
 # build/bitvox, or what BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is "N passed, N failed[, N skipped]".
 # Runs in the repository's root, works in a folder of its own; VOLUMES is the folder of real volumes [../shared/volumes].
 set -u
-program=${1:-${BITVOX:-build/bitvox}}
-case $program in
-/*) ;;
-*) program=$PWD/$program ;;
-esac
-fixtures=$PWD/fixtures
-volumes=${VOLUMES:-$PWD/../shared/volumes}
+. tests/tools/program_checks.sh
+fixtures=$root/fixtures
+volumes=${VOLUMES:-$root/../shared/volumes}
 case $volumes in
 /*) ;;
-*) volumes=$PWD/$volumes ;;
+*) volumes=$root/$volumes ;;
 esac
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-trap 'exit 130' INT TERM
-cd "$work" || exit 1
-passed=0 failed=0 skipped=0
 
-ok() { passed=$((passed + 1)); echo "ok $1"; }
-not_ok() { # NAME, WHY
-    failed=$((failed + 1))
-    echo "not ok $1"
-    echo "# $2"
-    sed 's/^/#   /' err | head -n 5
-}
-skip() { skipped=$((skipped + 1)); echo "ok $1 # SKIP $2"; }
-
-gives() { # NAME, STATUS, WORDS (in out or err), ARGUMENTS...
-    gives_name=$1 gives_status=$2 gives_words=$3
-    shift 3
-    "$program" "$@" >out 2>err </dev/null
-    status=$?
-    if [ "$status" != "$gives_status" ]; then not_ok "$gives_name" "exit status $status, not $gives_status"
-    elif ! cat out err | grep -q -e "$gives_words"; then not_ok "$gives_name" "nothing says '$gives_words'"
-    else ok "$gives_name"; fi
-}
 same() { # NAME, FILE, FILE
     if cmp -s "$2" "$3"; then ok "$1"; else not_ok "$1" "$2 and $3 differ"; fi
 }
 
 waves=$fixtures/waves.nhdr labels=$fixtures/labels.npy
-: >out
-: >err
 
 # ---- levels and ranges ----
 gives 'a mesh of a level' 0 'closed, manifold' voxelize "$waves" -o level.ply --level 120

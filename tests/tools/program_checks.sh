@@ -1,0 +1,58 @@
+# program_checks.sh - read in by the scripts in tests/program, in the repository's root: the program, a folder of its own to work in,
+# and checks that count. PROGRAM is the script's first argument, what BITVOX names, or build/bitvox. A check prints "ok NAME" or
+# "not ok NAME"; a script ends with the line that `counts` prints.
+program=${1:-${BITVOX:-build/bitvox}}
+case $program in
+/*) ;;
+*) program=$PWD/$program ;;
+esac
+root=$PWD
+knot=$root/fixtures/knot.ply
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM
+cd "$work" || exit 1
+passed=0 failed=0 skipped=0
+: >out
+: >err
+
+ok() { passed=$((passed + 1)); echo "ok $1"; }
+not_ok() { # NAME, WHY
+    failed=$((failed + 1))
+    echo "not ok $1"
+    echo "# $2"
+    sed 's/^/#   /' err | head -n 5
+}
+skip() { skipped=$((skipped + 1)); echo "ok $1 # SKIP $2"; }
+has() { command -v "$1" >/dev/null 2>&1; }
+
+run() { # ARGUMENTS...: sets $status; out and err hold what was said
+    "$program" "$@" >out 2>err </dev/null
+    status=$?
+}
+
+result() { # NAME, 0 OR 1
+    if [ "$2" = 0 ]; then ok "$1"; else not_ok "$1" "status $status"; fi
+}
+
+holds() { # NAME, COMMAND...: the command succeeds
+    holds_name=$1
+    shift
+    if "$@" >/dev/null 2>&1; then ok "$holds_name"; else not_ok "$holds_name" "failed: $*"; fi
+}
+
+works() { # NAME, ARGUMENTS...: status 0 and no word on standard error
+    works_name=$1
+    shift
+    run "$@"
+    if [ $status = 0 ] && [ ! -s err ]; then ok "$works_name"; else not_ok "$works_name" "status $status"; fi
+}
+
+gives() { # NAME, STATUS, WORDS (in out or err), ARGUMENTS...
+    gives_name=$1 gives_status=$2 gives_words=$3
+    shift 3
+    run "$@"
+    if [ "$status" != "$gives_status" ]; then not_ok "$gives_name" "exit status $status, not $gives_status"
+    elif ! cat out err | grep -q -e "$gives_words"; then not_ok "$gives_name" "nothing says '$gives_words'"
+    else ok "$gives_name"; fi
+}
