@@ -1470,8 +1470,9 @@ BVX_API void bvx_read_volume_options_init(bvx_read_volume_options *options, size
 BVX_API bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                    const bvx_read_volume_options *options, bvx_volume *volume);
 
-/** The name of data file number index of an NRRD's detached head, as it stands there (beside the head unless it is absolute), with
- *  a zero byte behind it. *count becomes how many there are, 0 when the samples follow the head; name may be NULL for the count.
+/** The name of data file number index of an NRRD's detached head, as it stands there (to be looked for beside the head), with a
+ *  zero byte behind it. A head from a stranger may name any file: the program and the Python package refuse what is not in its
+ *  folder or below. *count becomes how many there are, 0 when the samples follow the head; name may be NULL for the count.
  *  Returns BVX_ERR_FORMAT, BVX_ERR_ARGUMENT (index not below the count), BVX_ERR_CAPACITY, BVX_ERR_UNSUPPORTED. */
 BVX_API bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_t size, uint64_t index, char *name,
                                         uint64_t capacity, uint64_t *count);

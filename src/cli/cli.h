@@ -281,6 +281,10 @@ void cli_say(cli_run *run, const char *format, ...);
 
 /* ---- files.c: whole files in ---- */
 
+/* Memory that this process may use: the machine's, or less where a container or a limit of the shell allows less; 0 where the
+ * system does not tell. */
+uint64_t cli_memory_there(void);
+
 typedef struct cli_bytes {
     unsigned char *bytes;
     size_t size, room;
@@ -568,7 +572,7 @@ struct cli_run {
     unsigned char given[CLI_MAX_OPTIONS]; /* by row of the table */
     cli_report report;
     bvx_context *context;
-    uint64_t context_limit; /* of its memory; 0: none */
+    uint64_t context_limit; /* of its memory, when one was asked for; 0: none */
     cli_output output[CLI_MAX_OUTPUTS];
     int outputs;
     int standard_taken;     /* standard output belongs to an output */

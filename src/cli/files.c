@@ -31,14 +31,13 @@
 
 enum { FILES_CHUNK = 1 << 20 };
 
-#define FILES_MACHINE (UINT64_C(4) << 30) /* bytes of memory, where the system does not tell its memory */
+#define FILES_MACHINE (UINT64_C(4) << 30) /* bytes for files, twice, where the system does not tell its memory */
 
 /* ---- room ---- */
 
-/* Memory that this process may use: the machine's, or less where a container or a limit of the shell allows less. */
-static uint64_t memory_of_process(void)
+uint64_t cli_memory_there(void)
 {
-    uint64_t memory = FILES_MACHINE;
+    uint64_t memory = UINT64_MAX;
 #if FILES_POSIX
     struct rlimit space;
     FILE *file;
@@ -55,18 +54,15 @@ static uint64_t memory_of_process(void)
         fclose(file);
     }
 #endif
-    return memory < SIZE_MAX ? memory : SIZE_MAX;
+    return memory != UINT64_MAX ? memory : 0;
 }
 
-/* Half of it: what is made of a file takes as much again. */
-static uint64_t machine_ceiling(void)
-{
-    return memory_of_process() / 2;
-}
-
+/* Half of what there is: what is made of a file takes as much again. */
 static uint64_t bytes_ceiling(const cli_run *run)
 {
-    return run->options.memory_limit != 0 ? run->options.memory_limit : machine_ceiling();
+    uint64_t const there = cli_memory_there(), memory = there != 0 ? there : FILES_MACHINE;
+    if (run->options.memory_limit != 0) return run->options.memory_limit;
+    return memory / 2 < SIZE_MAX ? memory / 2 : SIZE_MAX;
 }
 
 /* more: the bytes that do not fit, in words. */

@@ -96,6 +96,7 @@ static int print_version(cli_run *run)
 
 int cli_make_context(cli_run *run, uint64_t file_bytes)
 {
+    uint64_t const memory = run->options.memory_limit != 0 ? run->options.memory_limit : cli_memory_there();
     bvx_context_options o;
     bvx_status status;
     bvx_context_options_init(&o, sizeof o);
@@ -104,9 +105,8 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     cli_blocks_offer(&o);
     o.progress = cli_progress;
     o.progress_user = run;
-    if (run->options.memory_limit != 0)
-        o.memory_limit = run->options.memory_limit > file_bytes ? run->options.memory_limit - file_bytes : 1;
-    run->context_limit = o.memory_limit;
+    if (memory != 0) o.memory_limit = memory > file_bytes ? memory - file_bytes : 1;
+    run->context_limit = run->options.memory_limit != 0 ? o.memory_limit : 0; /* choices do not depend on the machine */
     status = bvx_context_create(&o, &run->context);
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, NULL);
 }

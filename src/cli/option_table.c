@@ -215,7 +215,7 @@ static const cli_argument arguments[] = {
     CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, format_names, BVX_FORMAT_STL, "format of standard input, with - as input: stl, obj, ply ..."),
     WHOLE("--threads", "N", CLI_ALL, threads, 0, 1024, "workers, 0: all there are [0]"),
     BYTES("--memory-limit", "BYTES", CLI_ALL, memory_limit,
-          "most memory for data; K, M and G are understood [none; files:\nhalf of the memory there is]"),
+          "most memory for data; K, M and G are understood [what there is;\nfiles: half of it]"),
     FLAG("--json", CLI_ALL, json, "a report for programs on standard output, in place of the text"),
     CHOICE("--progress", "HOW", CLI_ALL, progress, progress_names, CLI_BAR_AUTO,
            "auto: a bar on a terminal; bar; json: lines of JSON on standard error;\nnone [auto]"),

@@ -97,11 +97,26 @@ static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_s
 
 /* ---- data files ---- */
 
-/* A name of the head, beside it unless it is absolute; to be freed. */
+/* 1: what the name says lies in the head's folder or below. A head from a stranger must not choose what else is read. */
+static int stays_below(const char *name)
+{
+#if defined(_WIN32)
+    if (strpbrk(name, "\\:") != NULL) return 0;
+#endif
+    if (name[0] == '/') return 0;
+    for (const char *part = name;;) {
+        size_t const n = strcspn(part, "/");
+        if (n == 2 && part[0] == '.' && part[1] == '.') return 0;
+        if (part[n] == 0) return 1;
+        part += n + 1;
+    }
+}
+
+/* A name of the head, beside it; to be freed. */
 static char *data_path(const char *head, const char *name)
 {
     const char *const slash = strrchr(head, '/');
-    size_t const folder = name[0] == '/' || slash == NULL ? 0 : (size_t)(slash - head) + 1;
+    size_t const folder = slash == NULL ? 0 : (size_t)(slash - head) + 1;
     char *const path = malloc(folder + strlen(name) + 1);
     if (path == NULL) return NULL;
     memcpy(path, head, folder);
@@ -144,6 +159,9 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
         char *path;
         found = bvx_volume_data_name(run->context, v->file.bytes, v->file.size, i, name, sizeof name, &count);
         if (found != BVX_OK) return cli_fail_status(run, found, cli_input_name(head));
+        if (!stays_below(name))
+            return cli_fail(run, "%s: its samples are said to be in %s; only files in its own folder or below are read: put them there",
+                            cli_input_name(head), name);
         path = data_path(head, name);
         status = path != NULL ? add_data_file(run, path, &v->data) : cli_fail(run, "no memory for a file's name");
         free(path);

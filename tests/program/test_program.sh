@@ -220,6 +220,7 @@ printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' >line.obj
 refuses 1 'line.obj: ' lod line.obj -o x_%d.ply --triangles 100,50 --quiet
 refuses 1 'lattice' voxelize "$knot" -o x.npy --resolution 16 --window 0,0,0,99,9,9
 refuses 1 'limit' voxelize "$knot" -o x.npy --resolution 1000 --memory-limit 4M
+refuses 1 'the limit is' voxelize "$knot" -o x.npy --resolution 200000 # a limit that is not asked for is the machine's memory
 refuses 1 'memory-limit' info "$knot" --memory-limit 1000
 refuses 1 'limit' lod "$knot" -o x_%d.ply --resolution 3000 --memory-limit 100M
 refuses 1 'level 1' lod "$knot" -o x_%d.ply --levels 32,1 --samples 0 --threshold 0.9

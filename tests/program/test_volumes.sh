@@ -66,6 +66,14 @@ gives 'options of meshes' 2 'is for meshes' voxelize "$waves" -o a.bvx --level 5
 gives 'a grid without a choice' 2 'choose voxels of a volume' voxelize level.bvx -o a.npy
 cp "$waves" lost.nhdr
 gives 'a data file that is not there' 1 'waves.raw' voxelize lost.nhdr -o a.bvx --level 5
+for name in "$fixtures/waves.raw" ../waves.raw sub/../../waves.raw '..'; do
+    sed "s|^data file:.*|data file: $name|" "$waves" >away.nhdr
+    gives "samples in $name" 1 'only files in its own folder or below' voxelize away.nhdr -o a.bvx --level 5
+done
+mkdir -p sub/..below
+cp "$fixtures/waves.raw" sub/..below/waves.raw
+sed 's|^data file:.*|data file: sub/..below/./waves.raw|' "$waves" >below.nhdr
+gives 'samples in a folder below' 0 'set' voxelize below.nhdr -o below.bvx --level 5
 if ls a.* >/dev/null 2>&1; then not_ok 'nothing is left behind' "$(ls a.*)"; else ok 'nothing is left behind'; fi
 
 # ---- packed samples ----

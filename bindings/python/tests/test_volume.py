@@ -151,6 +151,10 @@ def test_nrrd_with_data_files(tmp_path):
     (tmp_path / "s.010").unlink()
     with pytest.raises(OSError):
         bitvox.read_volume(tmp_path / "b.nhdr")
+    for away in ("../one.raw", str(tmp_path / "one.raw"), "sub/../../one.raw"):
+        (tmp_path / "e.nhdr").write_bytes(nrrd(a, data=away))
+        with pytest.raises(bitvox.FormatError, match="only files in its own folder"):
+            bitvox.read_volume(tmp_path / "e.nhdr")
 
 
 def test_damaged_gzip_is_refused(tmp_path):

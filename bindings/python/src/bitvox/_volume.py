@@ -6,7 +6,7 @@ import os
 from typing import Any, Iterable, Sequence
 
 from . import _arrays as arrays
-from ._errors import ArgumentError
+from ._errors import ArgumentError, FormatError
 from ._grid import Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh
@@ -209,7 +209,10 @@ def _data_files(run: Run, held: Any, path: str) -> bytes | None:
     pieces, name = [], ffi.new("char[]", 4096)
     for i in range(count[0]):
         run.check(lib.bvx_volume_data_name(run.context, held, len(held), i, name, 4096, count))
-        pieces.append(read_bytes(os.path.join(os.path.dirname(path), os.fsdecode(ffi.string(name)))))
+        beside = os.fsdecode(ffi.string(name))
+        if os.path.isabs(beside) or os.path.splitdrive(beside)[0] or ".." in beside.replace(os.sep, "/").split("/"):
+            raise FormatError(f"{path}: its samples are said to be in {beside}; only files in its own folder or below are read")
+        pieces.append(read_bytes(os.path.join(os.path.dirname(path), beside)))
     return b"".join(pieces) if pieces else None
 
 
