@@ -188,7 +188,6 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
         break;
     case CLI_REAL:
         if (a->least == 1) snprintf(text, room, "a number from %g to %g", a->low, a->high);
-        else if (a->high <= 1.0) snprintf(text, room, "a number above %g and below %g", a->low, a->high);
         else snprintf(text, room, "a number above %g and below %g", a->low, a->high);
         break;
     case CLI_TRIPLE: snprintf(text, room, "three numbers like 3,-4,2"); break;
@@ -197,6 +196,7 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
         if (a->most == 1) snprintf(text, room, "a whole number from %.0f to %.0f", a->low, a->high);
         else if (a->most == 3) snprintf(text, room, "one whole number or three like 64,32,16, from %.0f to %.0f", a->low, a->high);
         else if (a->least == a->most) snprintf(text, room, "%d whole numbers like 0,0,0,64,64,64", a->most);
+        else if (a->least == 3) snprintf(text, room, "three whole numbers a place like 8,8,8 or 8,8,8,40,40,40, at most %d, from %.0f to %.0f", a->most, a->low, a->high);
         else snprintf(text, room, "whole numbers like 64,32,16, at most %d, from %.0f to %.0f", a->most, a->low, a->high);
         break;
     case CLI_SIZE: snprintf(text, room, "a width and a height like 1024x768, each from 1 to %.0f", a->high); break;

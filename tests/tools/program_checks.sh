@@ -23,6 +23,10 @@ not_ok() { # NAME, WHY
     echo "# $2"
     sed 's/^/#   /' err | head -n 5
 }
+counts() {
+    echo "$passed passed, $failed failed, $skipped skipped"
+    [ $failed = 0 ]
+}
 skip() { skipped=$((skipped + 1)); echo "ok $1 # SKIP $2"; }
 has() { command -v "$1" >/dev/null 2>&1; }
 
