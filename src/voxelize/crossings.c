@@ -146,7 +146,7 @@ BVXI_VECTOR_INLINE void flush_pairs(const bvxi_solid_job *job, bvxi_cross_batch 
         if (BVXI_LIKELY(b->spread[i] < CROSS_SMALL)) {
             down = (int32_t)v - (v < (double)(int32_t)v);
             part = v - (double)down;
-            if (BVXI_LIKELY(part > near_centre && part < 1.0 - near_centre)) {
+            if (BVXI_LIKELY(part > near_centre) && BVXI_LIKELY(part < 1.0 - near_centre)) {
                 out->code = (int32_t)((uint32_t)(down + 1) << 1 | (uint32_t)(b->least[i] > 0));
                 out++;
                 continue;
