@@ -49,6 +49,7 @@ static int ear_holds(const polygon_ears *e, uint32_t p, uint32_t v, uint32_t q, 
            bvxi_ring_side(e->ring, q, p, r) >= 0;
 }
 
+/* v turns left, so it is none of the reflex corners. */
 static int ear_is_free(polygon_ears *e, uint32_t p, uint32_t v, uint32_t q)
 {
     for (uint32_t i = 0; i < e->reflex_count;) {
@@ -59,7 +60,7 @@ static int ear_is_free(polygon_ears *e, uint32_t p, uint32_t v, uint32_t q)
         }
         i++;
         e->looks++;
-        if (r != p && r != v && r != q && ear_holds(e, p, v, q, r)) return 0;
+        if (r != p && r != q && ear_holds(e, p, v, q, r)) return 0;
     }
     return 1;
 }

@@ -14,7 +14,8 @@
 /* Octants with s = 0 and with s = 1 along each axis. */
 static const uint8_t child_half[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0}};
 
-/* Octants whose box the triangle's box meets; *held becomes 1 when the cube holds all of the triangle. */
+/* Octants whose box the triangle's box meets: its box meets the cube, so the cube's middle planes alone part them. *held becomes
+ * 1 when the cube holds all of the triangle. */
 static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int *held, int64_t *spread, int64_t *reach)
 {
     uint32_t mask = 255;
@@ -25,9 +26,8 @@ static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int 
         int32_t const u = p[0][a], v = p[1][a], w = p[2][a];
         int32_t const uv = u < v ? u : v, UV = u < v ? v : u;
         int32_t const least = uv < w ? uv : w, most = UV > w ? UV : w;
-        uint32_t const low = least <= 0 && most >= -half ? child_half[a][0] : 0, high = most >= 0 && least <= half ? child_half[a][1] : 0;
         int64_t const far = (int64_t)most > -(int64_t)least ? (int64_t)most : -(int64_t)least;
-        mask &= low | high;
+        mask &= (least <= 0 ? (uint32_t)child_half[a][0] : 0) | (most >= 0 ? (uint32_t)child_half[a][1] : 0);
         inside &= least >= -half && most <= half;
         if ((int64_t)most - least > *spread) *spread = (int64_t)most - least;
         if (far > *reach) *reach = far;
@@ -36,7 +36,8 @@ static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int 
     return mask;
 }
 
-/* Octants that the edge a -> b leaves outside; turn is +1 or -1, the sign of the area. */
+/* Octants that the edge a -> b leaves outside; turn is +1 or -1, the sign of the area. Those on both growing sides hold the
+ * cube's best corner, which is not outside since the triangle touches the cube. */
 static inline uint32_t child_edge_misses(int64_t au, int64_t av, int64_t bu, int64_t bv, int64_t turn, int64_t half,
                                          const uint8_t *hu, const uint8_t *hv)
 {
@@ -48,7 +49,6 @@ static inline uint32_t child_edge_misses(int64_t au, int64_t av, int64_t bu, int
     uint32_t missed = 255 & ~u & ~v;
     if (at + su < 0) missed |= u & ~v;
     if (at + sv < 0) missed |= v & ~u;
-    if (at + su + sv < 0) missed |= u & v;
     return missed;
 }
 

@@ -23,7 +23,7 @@ typedef struct bvxi_children_batch {
 /* cpu: BVX_CPU_... */
 void bvxi_children_of_batch(bvxi_children_batch *batch, uint32_t count, int32_t half, int32_t cpu);
 
-/* Octants that two neighbours of a cube are, by bits: 1 when a mask is such a pair. */
+/* Octants that two neighbours of a cube are, by bits: 1 when a mask, which is not 0, is such a pair. */
 static inline int bvxi_children_are_pair(uint32_t mask)
 {
     uint32_t const low = mask & (0 - mask), high = mask ^ low;

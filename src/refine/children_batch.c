@@ -24,7 +24,7 @@ static inline uint32_t batch_box_children(const bvxi_children_batch *b, uint32_t
         int32_t const uv = u < v ? u : v, UV = u < v ? v : u;
         int32_t const least = uv < w ? uv : w, most = UV > w ? UV : w;
         uint32_t const low = a == 0 ? 0x55 : a == 1 ? 0x33 : 0x0f;
-        mask &= (least <= 0 && most >= -half ? low : 0) | (most >= 0 && least <= half ? 255 ^ low : 0);
+        mask &= (least <= 0 ? low : 0) | (most >= 0 ? 255 ^ low : 0);
         held &= least >= -half && most <= half;
     }
     *decided = (mask & (mask - 1)) == 0 || (held && bvxi_children_are_pair(mask));
@@ -33,17 +33,18 @@ static inline uint32_t batch_box_children(const bvxi_children_batch *b, uint32_t
 
 /* ---- in vectors ---- */
 
-/* Octants that an edge leaves outside, by its values at the four places of a projection; near: 1 when one may be 0. */
+/* Octants that an edge leaves outside, by its values at three places of a projection; near: 1 when one may be 0. The fourth,
+ * the best corner, is not outside, as in children.c. */
 BVXI_VECTOR_INLINE int64_t batch_edge_misses(double au, double av, double bu, double bv, double turn, double half, double slack,
                                              int64_t u1, int64_t v1, int64_t *near)
 {
     double const at = (au * bv - av * bu) * turn, du = (av - bv) * turn, dv = (bu - au) * turn;
     double const su = (du < 0 ? -du : du) * half, sv = (dv < 0 ? -dv : dv) * half;
-    double const atu = at + su, atv = at + sv, atuv = atu + sv;
+    double const atu = at + su, atv = at + sv;
     int64_t const u = du > 0 ? u1 : 255 ^ u1, v = dv > 0 ? v1 : 255 ^ v1; /* octants on the growing side */
-    int64_t const missed = (at < 0 ? 255 ^ (u | v) : 0) | (atu < 0 ? u & ~v : 0) | (atv < 0 ? v & ~u : 0) | (atuv < 0 ? u & v : 0);
+    int64_t const missed = (at < 0 ? 255 ^ (u | v) : 0) | (atu < 0 ? u & ~v : 0) | (atv < 0 ? v & ~u : 0);
     *near |= (at < slack ? (at > -slack ? 1 : 0) : 0) | (atu < slack ? (atu > -slack ? 1 : 0) : 0) |
-             (atv < slack ? (atv > -slack ? 1 : 0) : 0) | (atuv < slack ? (atuv > -slack ? 1 : 0) : 0);
+             (atv < slack ? (atv > -slack ? 1 : 0) : 0);
     return missed;
 }
 
@@ -69,19 +70,19 @@ BVXI_VECTOR_INLINE void judge_batch_projection(bvxi_children_batch *b, uint32_t 
     }
 }
 
-/* Octants above or below the plane: `up` of the place where it is greatest, and the opposite one for the least. */
+/* Octants below the plane, by its value at each one's best corner. The best corner of all is the cube's, which is not below it. */
 BVXI_VECTOR_INLINE int64_t batch_plane_side(double at, double sx, double sy, double sz, double slack, int64_t x, int64_t y, int64_t z,
                                             int64_t *near)
 {
     /* x, y, z: octants that lie on the growing side of an axis; those gain its step, on all three the most */
-    double const a0 = at, ax = at + sx, ay = at + sy, az = at + sz, axy = ax + sy, axz = ax + sz, ayz = ay + sz, axyz = axy + sz;
+    double const a0 = at, ax = at + sx, ay = at + sy, az = at + sz, axy = ax + sy, axz = ax + sz, ayz = ay + sz;
     int64_t const X = 255 ^ x, Y = 255 ^ y, Z = 255 ^ z;
     *near |= (a0 < slack ? (a0 > -slack ? 1 : 0) : 0) | (ax < slack ? (ax > -slack ? 1 : 0) : 0) |
              (ay < slack ? (ay > -slack ? 1 : 0) : 0) | (az < slack ? (az > -slack ? 1 : 0) : 0) |
              (axy < slack ? (axy > -slack ? 1 : 0) : 0) | (axz < slack ? (axz > -slack ? 1 : 0) : 0) |
-             (ayz < slack ? (ayz > -slack ? 1 : 0) : 0) | (axyz < slack ? (axyz > -slack ? 1 : 0) : 0);
+             (ayz < slack ? (ayz > -slack ? 1 : 0) : 0);
     return (a0 < 0 ? X & Y & Z : 0) | (ax < 0 ? x & Y & Z : 0) | (ay < 0 ? X & y & Z : 0) | (az < 0 ? X & Y & z : 0) |
-           (axy < 0 ? x & y & Z : 0) | (axz < 0 ? x & Y & z : 0) | (ayz < 0 ? X & y & z : 0) | (axyz < 0 ? x & y & z : 0);
+           (axy < 0 ? x & y & Z : 0) | (axz < 0 ? x & Y & z : 0) | (ayz < 0 ? X & y & z : 0);
 }
 
 BVXI_VECTOR_INLINE void judge_batch_plane(bvxi_children_batch *b, uint32_t n, double half)

@@ -304,8 +304,7 @@ static inline int bvxi_x_first(const int32_t *a, const int32_t *b, int32_t x, in
 {
     int64_t const dx = (int64_t)b[0] - a[0], dy = (int64_t)b[1] - a[1];
     int64_t l = ((int64_t)x - a[0]) * dy, r = ((int64_t)y - a[1]) * dx;
-    if ((dx < 0) != (dy < 0)) r = -r;
-    if (l < 0) l = -l;
+    if (l < 0) l = -l; /* each the way along its own axis times the other's length */
     if (r < 0) r = -r;
     return l < r || (l == r && dx < 0);
 }

@@ -74,7 +74,7 @@ int bvxi_plane_is_simple(const bvxi_plane *p, bvxi_segment_box *sorted, bvxi_seg
                 active[a] = active[--reach];
                 continue;
             }
-            if (!(y->high < x.low || y->low > x.high) && quick_pair_meets(p, x.segment, y->segment)) return 0;
+            if (y->high >= x.low && y->low <= x.high && quick_pair_meets(p, x.segment, y->segment)) return 0;
             a++;
         }
         active[reach++] = x;

@@ -83,23 +83,21 @@ static inline void bvxi_triangle_walk(bvxi_triangle *t, int32_t axis)
     else t->beyond = 1;
 }
 
-/* Narrow [*first, *last] to the lines n (at y0 + n step, in the slice z) whose displaced centres lie inside all three edges. */
+/* Narrow [*first, *last] to the lines n (at y0 + n step, in the slice z) whose displaced centres lie inside all three edges. The
+ * slice is one of the triangle's box: least z <= z < greatest z. */
 static inline void bvxi_cover_span(const bvxi_triangle *t, int64_t y0, int64_t z, int64_t step, int64_t *first, int64_t *last)
 {
     for (int32_t i = 0; i < 3; i++) {
         const int32_t *const u = t->p[i], *const v = t->p[i == 2 ? 0 : i + 1];
         int64_t const dy = (int64_t)v[1] - u[1], dz = (int64_t)v[2] - u[2];
-        int64_t const bias = dz < 0 || (dz == 0 && dy > 0) ? 0 : 1;
-        int64_t const e = dy * (z - u[2]) - dz * (y0 - u[1]) - bias; /* need e - n dz step >= 0 for line n */
+        int64_t const e = dy * (z - u[2]) - dz * (y0 - u[1]) - (dz > 0); /* need e - n dz step >= 0 for line n */
         if (dz > 0) {
             int64_t const most = bvxi_floor_div(e, dz * step);
             if (most < *last) *last = most;
         } else if (dz < 0) {
             int64_t const least = bvxi_ceil_div(-e, -dz * step);
             if (least > *first) *first = least;
-        } else if (e < 0) {
-            *last = *first - 1;
-        }
+        } /* else: the box's lower or upper side; a slice from the lower one on and below the upper one is inside */
     }
 }
 
@@ -131,10 +129,10 @@ static inline int32_t bvxi_cross(const bvxi_triangle *t, const bvxi_divider *d, 
 {
     double const s = d->ny * (y - d->ay) + d->nz * (z - d->az);
     double const v = (d->ax - s * d->inverse) * d->scale;
-    if (BVXI_LIKELY(d->error < 0.25 && v > -1073741824.0 && v < 1073741824.0)) {
+    if (BVXI_LIKELY(d->error < 0.25)) { /* v is off by no more, and the row crosses the plane in the triangle: it is below 2^30 */
         int32_t const down = (int32_t)v - (v < (double)(int32_t)v); /* floor */
         double const part = v - (double)down;
-        if (BVXI_LIKELY(part > d->error && part < 1.0 - d->error)) return down + 1;
+        if (BVXI_LIKELY(part > d->error) && BVXI_LIKELY(part < 1.0 - d->error)) return down + 1;
     }
     return bvxi_cross_exact(t, fraction_bits, j, k);
 }

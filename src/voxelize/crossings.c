@@ -113,7 +113,7 @@ BVXI_COLD static int cross_exactly(const bvxi_solid_job *job, const uint32_t *co
         const int32_t *const u = t.p[i], *const v = t.p[i == 2 ? 0 : i + 1];
         int64_t const dy = (int64_t)v[1] - u[1], dz = (int64_t)v[2] - u[2];
         int64_t const e = dy * (z - u[2]) - dz * (y - u[1]);
-        if (e < 0 || (e == 0 && !(dz < 0 || (dz == 0 && dy > 0)))) return 0;
+        if (e < 0 || (e == 0 && dz > 0)) return 0; /* dz = 0: the lower edge, since no centre of the box is as high as the upper */
     }
     *code = (int32_t)((uint32_t)bvxi_cross_exact(&t, f, j, k) << 1 | (uint32_t)t.leaving);
     return 1;
@@ -146,7 +146,7 @@ BVXI_VECTOR_INLINE void flush_pairs(const bvxi_solid_job *job, bvxi_cross_batch 
         if (BVXI_LIKELY(b->spread[i] < CROSS_SMALL)) {
             down = (int32_t)v - (v < (double)(int32_t)v);
             part = v - (double)down;
-            if (BVXI_LIKELY(part > near_centre && part < 1.0 - near_centre)) {
+            if (BVXI_LIKELY(part > near_centre) && BVXI_LIKELY(part < 1.0 - near_centre)) {
                 out->code = (int32_t)((uint32_t)(down + 1) << 1 | (uint32_t)(b->least[i] > 0));
                 out++;
                 continue;

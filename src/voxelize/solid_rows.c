@@ -39,16 +39,13 @@ static uint32_t drop_for_parity(const int32_t *c, uint32_t n)
     return drop;
 }
 
+/* Rows are listed under parity when their crossings are odd in number. */
 static uint64_t fill_parity(const bvxi_solid_job *job, uint64_t *row, int32_t *c, uint32_t n)
 {
-    uint32_t kept = n;
-    if ((n & 1) != 0) {
-        uint32_t const drop = drop_for_parity(c, n);
-        kept = n - 1;
-        for (uint32_t i = drop; i < kept; i++) c[i] = c[i + 1];
-    }
+    uint32_t const drop = drop_for_parity(c, n), kept = n - 1;
+    for (uint32_t i = drop; i < kept; i++) c[i] = c[i + 1];
     for (uint32_t i = 0; i < kept; i += 2) fill_span(job, row, crossing_at(c[i]), crossing_at(c[i + 1]));
-    return n - kept;
+    return 1;
 }
 
 /* Drop the unmatched crossings of a row whose signed sum is not zero: leaving ones that no entering one precedes, from

@@ -89,7 +89,8 @@ static void make_lines(const touch_triangle *t, int u, int v, int64_t area, touc
     for (int i = 0; i < 3; i++) add_edge(t, u, v, i, (i + 1) % 3, area < 0 ? -1 : 1, lines);
 }
 
-/* Narrow [*first, *last] to the indices along u that all lines allow at index v. */
+/* Narrow [*first, *last] to the indices along u that all lines allow at index v. An edge along u bounds the triangle's box along
+ * v, or is all of the projection, and v lies in the box: it allows them all. */
 static void narrow_by_lines(const touch_lines *lines, int64_t v, int64_t *first, int64_t *last)
 {
     for (int32_t i = 0; i < lines->count; i++) {
@@ -101,8 +102,6 @@ static void narrow_by_lines(const touch_lines *lines, int64_t v, int64_t *first,
         } else if (l->a < 0) {
             int64_t const most = bvxi_floor_div(rest, -l->a);
             if (most < *last) *last = most;
-        } else if (rest < 0) {
-            *last = -1;
         }
     }
 }

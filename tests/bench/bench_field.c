@@ -56,7 +56,7 @@ static double show_field(const bench_model *m, const field_job *job, double *ns)
 {
     static bench_memory memory;
     static bench_times times[2];
-    bvx_field fields[2] = {{{0}}};
+    bvx_field fields[2] = {0};
     bvx_context *contexts[2];
     bvx_lattice lattice;
     for (int n = 0; n < 2; n++) { /* a context of its own for each, so that its peak is this job's */
@@ -189,7 +189,7 @@ static void write_model(const char *folder, const bench_model *m)
 static void write_field(const char *folder, bvx_context *ctx, const bench_model *m, const bvx_lattice *lattice)
 {
     static const field_job job = {"", BVX_SIGN_EXACT, 1};
-    bvx_field field = {{0}};
+    bvx_field field = {0};
     uint64_t n = 0;
     run_field(ctx, m, lattice, &job, 1, &field);
     int32_t *const places = malloc((size_t)field.value_count * 3 * sizeof *places);
@@ -240,7 +240,7 @@ static int take_turns(const char *meshes, const char *out)
         double ms;
         uint64_t count;
         if (strcmp(word, "field") == 0) {
-            bvx_field field = {{0}};
+            bvx_field field = {0};
             ms = run_field(ctx, &dragon, &lattice, &exact, threads, &field);
             count = field.value_count;
             bvx_field_free(ctx, &field);

@@ -461,6 +461,28 @@ static void test_wide_sums_of_three_at_the_ends_of_the_budget(void)
     }
 }
 
+/* a = b (c q + s) + t with 0 <= s < c and 0 <= t < b: floor(a / (b c)) is q. Divisors of more than 53 bits round in a double. */
+static void test_wide_floor_division_finds_the_multiple_below(void)
+{
+    for (int trial = 0; trial < 200000; trial++) {
+        int32_t const n = 4 + trial % 13;
+        int64_t const limit = (int64_t)1 << (trial % 2 ? 32 : 40), c = (int64_t)1 << n;
+        int64_t const b = 1 + (int64_t)(maker_random(&seed) >> (2 + maker_below(&seed, 62)));
+        int64_t q = (int64_t)(maker_random(&seed) % (uint64_t)(2 * limit - 1)) - (limit - 1);
+        int64_t s, t, got;
+        if (trial % 3 == 0) q = q % 9;
+        s = trial % 5 == 0 ? 0 : trial % 5 == 1 ? c - 1 : maker_below(&seed, 1 << n);
+        t = trial % 7 < 2 ? 0 : trial % 7 == 3 ? b - 1 : (int64_t)(maker_random(&seed) % (uint64_t)b);
+        got = bvxi_wide_floor_div_scaled(bvxi_wide_add(bvxi_wide_mul(b, c * q + s), bvxi_wide_mul(t, 1)), b, c, limit);
+        if (got != q) TEST_FAIL_MESSAGE("not the floor of a division of 128 bits");
+    }
+    for (int64_t k = 2; k < 1000; k++) { /* beyond the limits */
+        int64_t const limit = (int64_t)1 << 32, b = INT64_MAX / k;
+        TEST_ASSERT_EQUAL_INT64(limit, bvxi_wide_floor_div_scaled(bvxi_wide_mul(b, 16 * (limit + k)), b, 16, limit));
+        TEST_ASSERT_EQUAL_INT64(-limit, bvxi_wide_floor_div_scaled(bvxi_wide_mul(b, -16 * (limit + k)), b, 16, limit));
+    }
+}
+
 /* ---- Fixed point ---- */
 
 static void test_round_half_up_is_floor_of_value_plus_half(void)
@@ -527,6 +549,7 @@ int main(void)
     RUN_TEST(test_lattices_are_equal_in_all_fields);
     RUN_TEST(test_limbs_multiply_add_and_sign);
     RUN_TEST(test_wide_sums_of_three_at_the_ends_of_the_budget);
+    RUN_TEST(test_wide_floor_division_finds_the_multiple_below);
     RUN_TEST(test_round_half_up_is_floor_of_value_plus_half);
     RUN_TEST(test_floor_shift_rounds_down);
     RUN_TEST(test_centres_below_counts_them);

@@ -216,11 +216,23 @@ static void test_extremes(void)
     TEST_ASSERT_GREATER_THAN(50, checked);
 }
 
+/* Two octants that lie side by side: one axis alone tells them apart. */
+static void test_pairs_are_neighbours(void)
+{
+    for (uint32_t mask = 1; mask < 256; mask++) {
+        int want = 0;
+        for (uint32_t o = 0; o < 8; o++)
+            for (uint32_t a = 0; a < 3; a++) want |= mask == (1u << o | 1u << (o ^ 1u << a));
+        TEST_ASSERT_EQUAL_INT(want, bvxi_children_are_pair(mask));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_small_numbers_hit_every_tie);
     RUN_TEST(test_sizes_from_far_smaller_to_far_larger);
     RUN_TEST(test_extremes);
+    RUN_TEST(test_pairs_are_neighbours);
     return UNITY_END();
 }

@@ -340,6 +340,108 @@ static void test_quick_check_leaves_what_it_is_not_sure_of(void)
     }
 }
 
+/* What is left of a loop when points that follow each other at one place count as one; less than three points are there and back,
+ * or nothing at all. */
+static int oracle_is_simple_at_places(const bvxi_plane *p)
+{
+    int32_t q[8][2];
+    uint32_t next[8];
+    bvxi_plane left = *p;
+    left.q = q;
+    left.next = next;
+    left.point_count = 0;
+    for (uint32_t i = 0; i < p->point_count; i++)
+        if (memcmp(p->q[i], p->q[p->next[i]], sizeof q[0]) != 0) memcpy(q[left.point_count++], p->q[i], sizeof q[0]);
+    for (uint32_t i = 0; i < left.point_count; i++) next[i] = i + 1 == left.point_count ? 0 : i + 1;
+    return left.point_count == 0 || (left.point_count > 2 && oracle_is_simple(&left));
+}
+
+/* On fewer places, with points that fall on each other, and loops of two points. */
+static void test_loops_with_points_at_one_place(void)
+{
+    uint64_t seed = 10, simple = 0, crossed = 0;
+    for (int i = 0; i < 20000; i++) {
+        int const n = 2 + maker_below(&seed, 6);
+        bvxi_plane p;
+        bvxi_contour c;
+        bvxi_segment_box sorted[8], active[8];
+        int32_t q[8][2];
+        uint32_t next[8], given[8];
+        int repeated = 0, expected;
+        memset(&stack, 0, sizeof stack);
+        memset(&p, 0, sizeof p);
+        memset(&c, 0, sizeof c);
+        stack.ctx = ctx;
+        stack.function = "test";
+        stack.given = &made.s;
+        made.loop[0].first_point = 0;
+        c.count = (uint32_t)n;
+        for (int k = 0; k < n; k++) {
+            q[k][0] = 2 * maker_below(&seed, 3) + 1;
+            q[k][1] = 2 * maker_below(&seed, 3) + 1;
+            if (k > 0 && maker_below(&seed, 3) == 0) memcpy(q[k], q[k - 1], sizeof q[k]);
+            next[k] = (uint32_t)((k + 1) % n);
+            given[k] = (uint32_t)k;
+        }
+        p.q = q;
+        p.next = next;
+        p.given = given;
+        p.contour = &c;
+        p.point_count = (uint32_t)n;
+        p.contour_count = 1;
+        for (int k = 0; k < n; k++) repeated |= memcmp(q[k], q[next[k]], sizeof q[k]) == 0;
+        expected = oracle_is_simple_at_places(&p);
+        TEST_ASSERT_EQUAL_INT(expected, bvxi_plane_check_simple(&stack, &p) == BVX_OK);
+        TEST_ASSERT_EQUAL_INT(expected && !repeated, bvxi_plane_is_simple(&p, sorted, active));
+        simple += (uint64_t)expected;
+        crossed += (uint64_t)!expected;
+    }
+    TEST_ASSERT_TRUE(simple > 1000 && crossed > 1000);
+}
+
+/* Lines moved by (e_u, e_v), e_u >> e_v > 0, as numbers 4096 times as large let them be: nothing meets then, and the way to a crossing
+ * decides. */
+static void test_order_of_crossings_with_lines_that_moved(void)
+{
+    enum { LARGE = 4096, SIDE = 21 };
+    static int64_t const moved[2] = {64, 1};
+    uint64_t seed = 11, ties = 0, tried = 0;
+    for (int i = 0; i < 200000; i++) {
+        int32_t q[2][2], line[2];
+        uint32_t next[2] = {1, 0};
+        int64_t d[2], way[2];
+        int between = 1;
+        bvxi_plane p;
+        memset(&p, 0, sizeof p);
+        p.q = q;
+        p.next = next;
+        for (int k = 0; k < 2; k++) {
+            q[0][k] = maker_below(&seed, SIDE);
+            q[1][k] = maker_below(&seed, SIDE);
+            line[k] = maker_below(&seed, SIDE);
+            d[k] = (int64_t)q[1][k] - q[0][k];
+            way[k] = ((int64_t)line[k] - q[0][k]) * LARGE + moved[k];
+            between &= (q[0][k] < line[k]) == (line[k] < q[1][k]) && line[k] != q[0][k] && line[k] != q[1][k];
+        }
+        if (between) {
+            int64_t const u = way[0] * d[1], v = way[1] * d[0];
+            TEST_ASSERT_EQUAL_INT((u < 0 ? -u : u) < (v < 0 ? -v : v), bvxi_x_first(q[0], q[1], line[0], line[1]));
+            tried++;
+        }
+        for (int k = 0; k < 2; k++) {
+            bvxi_line_cut cut;
+            int64_t const beyond = (way[k] * d[1 - k] - way[1 - k] * d[k]) * (d[k] < 0 ? -1 : 1);
+            memset(&cut, 0, sizeof cut);
+            cut.axis = k;
+            cut.line = line[k];
+            if (d[k] == 0 || (d[1 - k] == 0 && q[0][1 - k] == line[1 - k])) continue; /* no crossing, or along the other line */
+            TEST_ASSERT_EQUAL_INT(beyond > 0, bvxi_cut_beyond(&p, &cut, line[1 - k]));
+            ties += ((int64_t)line[k] - q[0][k]) * d[1 - k] == ((int64_t)line[1 - k] - q[0][1 - k]) * d[k];
+        }
+    }
+    TEST_ASSERT_TRUE(tried > 10000 && ties > 1000);
+}
+
 static int side_of_cut(const bvxi_plane *p, uint32_t cut, uint32_t key)
 {
     int32_t const low[2] = {(int32_t)((key & 0xffff) << stack.fine), (int32_t)((key >> 16) << stack.fine)};
@@ -437,6 +539,8 @@ int main(void)
     RUN_TEST(test_rings_run_along_the_loops);
     RUN_TEST(test_simple_loops_against_all_pairs);
     RUN_TEST(test_quick_check_leaves_what_it_is_not_sure_of);
+    RUN_TEST(test_loops_with_points_at_one_place);
+    RUN_TEST(test_order_of_crossings_with_lines_that_moved);
     RUN_TEST(test_arcs_by_cell);
     RUN_TEST(test_plain_cells_are_what_tracing_gives);
     return UNITY_END();

@@ -93,6 +93,54 @@ static void test_extreme_corners(void)
     }
 }
 
+/* Slivers whose projection along x has an area of one half step: from row to row their planes leap by so many voxels that doubles
+ * say nothing of them. Seen along x a corner lies (n + 1, n) steps from the first one, another (n + 2, n + 1). */
+static void test_planes_too_steep_for_doubles(void)
+{
+    for (int32_t n = 0; n < (quick ? 8 : 40); n++) {
+        bvx_lattice const l = lattice_of(8192, 40, 40);
+        bvx_context *const c = surface_context(n);
+        int32_t const long_steps = 1 + maker_below(&seed, n % 2 == 0 ? 1 << 19 : 1 << 10), reach = 1 + maker_below(&seed, 1 << 29);
+        bvx_window w = {{0, 12, 15}, {70, 13, 11}};
+        int32_t p[3][3];
+        uint32_t v[3];
+        w.low[0] = 128 * maker_below(&seed, 60);
+        for (int a = 0; a < 3; a++) p[0][a] = (w.low[a] + 1) * 65536 + maker_below(&seed, 8 * 65536);
+        p[1][0] = p[0][0] + reach;
+        p[1][1] = p[0][1] + long_steps + 1;
+        p[1][2] = p[0][2] + long_steps;
+        p[2][0] = p[0][0] - reach / (1 + n % 3);
+        p[2][1] = p[0][1] + long_steps + 2;
+        p[2][2] = p[0][2] + long_steps + 1;
+        if (p[1][0] > (1 << 30) - 1) p[1][0] = (1 << 30) - 1;
+        maker_clear(&mesh);
+        for (int i = 0; i < 3; i++) v[i] = maker_vertex(&mesh, p[i][0] / 65536.0, p[i][1] / 65536.0, p[i][2] / 65536.0);
+        if (n % 4 < 2) maker_triangle(&mesh, v[0], v[1], v[2]);
+        else maker_triangle(&mesh, v[0], v[2], v[1]);
+        assert_surface(c, &l, &w, CONSERVATIVE, "steep");
+        bvx_context_destroy(c);
+    }
+}
+
+/* Triangles over more rows than a triangle keeps the bounds of. */
+static void test_triangles_over_very_many_rows(void)
+{
+    for (int32_t n = 0; n < (quick ? 3 : 10); n++) {
+        bvx_lattice const l = lattice_of(9, 700, 4);
+        bvx_context *const c = surface_context(n);
+        maker_clear(&mesh);
+        for (int32_t i = 0; i < 3; i++) {
+            uint32_t v[3];
+            for (int k = 0; k < 3; k++)
+                v[k] = maker_vertex(&mesh, maker_between(&seed, -2, 11, 65536), maker_between(&seed, -20, 720, 65536),
+                                    maker_between(&seed, -1, 5, 65536));
+            maker_triangle(&mesh, v[0], v[1], v[2]);
+        }
+        assert_surface(c, &l, NULL, CONSERVATIVE, "many rows");
+        bvx_context_destroy(c);
+    }
+}
+
 /* ---- Known places ---- */
 
 static void test_a_box_on_lattice_planes_touches_both_sides(void)
@@ -226,6 +274,8 @@ int main(void)
     RUN_TEST(test_contexts_and_windows_agree);
     RUN_TEST(test_huge_triangles_in_small_windows);
     RUN_TEST(test_extreme_corners);
+    RUN_TEST(test_planes_too_steep_for_doubles);
+    RUN_TEST(test_triangles_over_very_many_rows);
     RUN_TEST(test_a_box_on_lattice_planes_touches_both_sides);
     RUN_TEST(test_thin_lies_in_conservative);
     RUN_TEST(test_refuses_what_it_cannot_do);
