@@ -268,6 +268,7 @@ int cli_read_bytes(cli_run *run, const char *path, cli_bytes *b)
     if (standard) _setmode(_fileno(stdin), _O_BINARY);
 #endif
     file = standard ? stdin : fopen(path, "rb");
+    if (file == NULL && errno == EINTR && cli_interrupted()) return cli_fail_interrupted(run); /* while a pipe had no writer */
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
     status = read_bytes(run, path, file, b);
     if (!standard) fclose(file);

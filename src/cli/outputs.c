@@ -258,8 +258,8 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
     int const standard = o->kind == CLI_OUT_STANDARD;
     FILE *const file = open_for_writing(o);
     uint64_t written = 0;
-    int error = file == NULL ? errno : 0, stopped = cli_interrupted();
-    if (stopped && file == NULL) return cli_fail_interrupted(run); /* while it waited for a reader */
+    int error = file == NULL ? errno : 0, stopped = 0;
+    if (error == EINTR && cli_interrupted()) return cli_fail_interrupted(run); /* while a pipe had no reader */
     if (file == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
     setvbuf(file, NULL, _IONBF, 0); /* parts are large, and after a failure it must be known how much was taken */
     while (written < buffer->size && error == 0 && !stopped) {

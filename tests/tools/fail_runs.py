@@ -153,7 +153,8 @@ for call, way, often, quick in FAULTS:
     for job in JOBS if sys.argv[3:] == ["all"] else quick.split():
         n, failed, bad = Runs(job, call, way, often).all()
         runs += n
-        print("%s %s: every %s gets %s, %s (%d runs, %d without success)" % ("not ok" if bad else "ok", job, call, way, often, n, failed))
+        mark = "not ok" if bad else "ok"
+        print("%s %s: every %s gets %s, %s (%d runs, %d without success)" % (mark, job, call, way, often, n, failed))
         for b in bad:
             print("# " + b)
 shutil.rmtree(FOLDER)
