@@ -5,6 +5,7 @@
 # Runs in the repository's root, works in a folder of its own.
 set -u
 . tests/tools/program_checks.sh
+all=${2:-}
 
 # Inputs: small ones of every format.
 quietly() { "$program" "$@" --quiet </dev/null || echo "# failed: $*"; }
@@ -27,7 +28,7 @@ glb convert small.ply
 vti convert grid.bvx
 ply lod small.ply --levels 8 --samples 0
 npy voxelize small.ply --resolution 20
-bvx voxelize ball.xyz --spacing 0.2
+bvx voxelize ball.xyz --spacing 0.05
 vti voxelize small.ply --mode field --resolution 12
 ply voxelize waves.nhdr --level 120
 ply repair small.ply --resolution 16
@@ -252,11 +253,12 @@ fi
 if ! has python3; then
     skip 'calls that fail, signals at random moments' 'python3 is missing'
 else
-    "${CC:-cc}" -O1 "$root/tests/tools/fail_calls.c" -o fail_calls >err 2>&1
+    ${CC:-cc} -O1 "$root/tests/tools/fail_calls.c" -o fail_calls >err 2>&1
     ./fail_calls seen write EIO 9999 0 "$program" --version >out 2>&1
     status=$?
     if [ $status = 0 ]; then
-        python3 "$root/tests/tools/fail_runs.py" ./fail_calls "$program" ${2+"$2"} >lines 2>err
+        # shellcheck disable=SC2086
+        python3 "$root/tests/tools/fail_runs.py" ./fail_calls "$program" $all >lines 2>err
         status=$?
         cat lines
         passed=$((passed + $(grep -c '^ok ' lines)))

@@ -23,7 +23,7 @@ JOBS = {
     "voxelize": (["x.npy", "x.npy.json"], None, "voxelize small.ply.gz -o faults/x.npy --resolution 20 --threads 2"),
     "convert": (["x.stl"], None, "convert small.ply -o faults/x.stl --quiet"),
     "fill": (["x.bvx"], None, "fill small.bvx -o faults/x.bvx --json"),
-    "sections": (["x.ply", "x.csv"], None, "sections knot.csv -o faults/x.ply --block-model faults/x.csv --block 1,1,1 --quiet"),
+    "sections": (["x.ply", "x.csv"], None, "sections knot.csv -o faults/x.ply --block-model faults/x.csv --block 1,1,1"),
     "cloud": (["x.bvx"], "large.xyz", "voxelize - --format xyz -o faults/x.bvx --spacing 0.5 --quiet"),
 }
 
