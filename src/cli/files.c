@@ -122,6 +122,19 @@ static int64_t size_of_file(FILE *file)
     return size < 0 || size == LONG_MAX ? 0 : size;
 }
 
+/* As many bytes as are wanted; fewer at the end, or with an error. */
+static size_t read_part(FILE *file, unsigned char *to, size_t want, int *error)
+{
+    size_t got = 0;
+    do {
+        clearerr(file);
+        errno = 0;
+        got += fread(to + got, 1, want - got, file);
+        *error = !ferror(file) ? 0 : errno != 0 ? errno : EIO;
+    } while (*error == EINTR && !cli_interrupted()); /* a signal that is none of ours: the rest follows */
+    return got;
+}
+
 static int read_bytes(cli_run *run, const char *path, FILE *file, cli_bytes *b)
 {
     uint64_t const limit = bytes_ceiling(run);
@@ -135,21 +148,20 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, cli_bytes *b)
     }
     status = start_bytes(run, path, size > 0 ? (uint64_t)size : FILES_CHUNK, limit, b);
     while (status == CLI_DONE) {
-        size_t const want = b->room - b->size;
-        size_t got;
-        if (want == 0) {
-            int const next = getc(file); /* exactly full: is there more? */
-            if (next == EOF) break;
-            ungetc(next, file);
+        size_t const room = b->room - b->size;
+        size_t const want = room == 0 ? 1 : room < FILES_CHUNK ? room : FILES_CHUNK;
+        unsigned char next; /* exactly full: is there more? */
+        int error;
+        size_t const got = read_part(file, room != 0 ? b->bytes + b->size : &next, want, &error);
+        if (room == 0 && got != 0) {
             status = grow_bytes(run, path, b);
-            continue;
+            if (status != CLI_DONE) break;
+            b->bytes[b->size] = next;
         }
-        errno = 0;
-        got = fread(b->bytes + b->size, 1, want < FILES_CHUNK ? want : FILES_CHUNK, file);
-        if (ferror(file)) return cli_fail(run, "%s: %s", cli_input_name(path), strerror(errno != 0 ? errno : EIO));
         b->size += got;
         if (cli_progress(run, "read", size > 0 ? (double)b->size / (double)size : 0.0)) return cli_fail_interrupted(run);
-        if (got == 0) break;
+        if (error != 0) return cli_fail(run, "%s: %s", cli_input_name(path), strerror(error));
+        if (got < want) break;
     }
     return status;
 }
@@ -252,6 +264,7 @@ int cli_read_bytes(cli_run *run, const char *path, cli_bytes *b)
     if (standard) _setmode(_fileno(stdin), _O_BINARY);
 #endif
     file = standard ? stdin : fopen(path, "rb");
+    if (file == NULL && errno == EINTR && cli_interrupted()) return cli_fail_interrupted(run); /* while a pipe had no writer */
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
     status = read_bytes(run, path, file, b);
     if (!standard) fclose(file);

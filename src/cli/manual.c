@@ -130,13 +130,16 @@ void cli_print_manual(void)
     put_item("FILE.npy.json, FILE.vox.json", "The side-car of a grid whose format keeps no lattice: origin (low corner), spacing, dims, "
              "window and the centre of the first voxel. It is written with the grid and looked for beside it; without one the "
              "grid starts at 0 and its voxels have sides of 1.");
-    put_item("bitvox-PID-N.part", "Outputs are written under such a name in their own folder and get their own names together "
-             "when all is done. A failure or an interrupt removes them, and what stood there before stays as it was. Where an "
+    put_item("bitvox-PID-N.part", "Outputs are written under such a name in their own folder and get their own names when "
+             "all is done, all of them or none. A failure or an interrupt removes them, and what stood there before stays as it "
+             "was; only a program that is killed (SIGKILL, a crash, no more power) leaves them behind, to be deleted. Where an "
              "output is a pipe or a device it is written in place.");
-    put_item("bitvox-PID-N.old", "What stood in the place of several outputs, for the moment in which they get their names.");
+    put_item("bitvox-PID-N.old", "What stood in the place of several outputs, for the moment in which they get their names. Where "
+             "the folder refuses names in just that moment, a message tells which of them holds an older file.");
     put_section("EXIT STATUS");
     put_item("0", "Done.");
-    put_item("1", "Bad input or another failure; standard error tells it in one line.");
+    put_item("1", "Bad input or another failure; standard error tells it in one line. Where it is standard output that cannot be "
+             "written, files that were asked for are complete.");
     put_item("2", "Wrong usage.");
     put_item("130", "Interrupted by SIGINT, SIGTERM or SIGHUP.");
     put_examples();

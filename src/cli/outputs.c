@@ -138,6 +138,12 @@ static int move_aside(const char *path, const char *name)
     return rename(path, name) == 0;
 }
 
+static int are_one_file(const char *a, const char *b)
+{
+    struct stat s, t;
+    return stat(a, &s) == 0 && stat(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+}
+
 #else
 
 static int look_at_output(cli_output *o, unsigned *mode)
@@ -167,6 +173,13 @@ static int move_aside(const char *path, const char *name)
     if (!is_there(path)) return 0;
     errno = EEXIST;
     return !is_there(name) && rename(path, name) == 0;
+}
+
+static int are_one_file(const char *a, const char *b)
+{
+    (void)a;
+    (void)b;
+    return 0; /* one name alone */
 }
 
 #endif
@@ -245,17 +258,21 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
     int const standard = o->kind == CLI_OUT_STANDARD;
     FILE *const file = open_for_writing(o);
     uint64_t written = 0;
-    int error = 0, stopped = 0;
-    if (file == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(errno));
-    while (written < buffer->size && !stopped) {
+    int error = file == NULL ? errno : 0, stopped = 0;
+    if (error == EINTR && cli_interrupted()) return cli_fail_interrupted(run); /* while a pipe had no reader */
+    if (file == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
+    setvbuf(file, NULL, _IONBF, 0); /* parts are large, and after a failure it must be known how much was taken */
+    while (written < buffer->size && error == 0 && !stopped) {
         size_t const rest = (size_t)(buffer->size - written), part = rest < OUTPUT_CHUNK ? rest : OUTPUT_CHUNK;
+        size_t taken;
         errno = 0;
-        if (fwrite(buffer->bytes + written, 1, part, file) != part) {
-            error = errno != 0 ? errno : EIO;
-            break;
-        }
-        written += part;
+        taken = fwrite(buffer->bytes + written, 1, part, file);
+        written += taken;
+        if (taken != part) error = errno != 0 ? errno : EIO;
         stopped = cli_progress(run, "write", (double)written / (double)buffer->size) != 0;
+        if (error != EINTR) continue;
+        error = 0; /* a signal that is none of ours: the rest follows */
+        clearerr(file);
     }
     errno = 0;
     if ((standard ? fflush(file) : fclose(file)) != 0 && error == 0) error = errno != 0 ? errno : EIO;
@@ -291,15 +308,19 @@ static int give_name(cli_output *o)
     return 1;
 }
 
-/* The first n outputs go, and what stood there comes back. Renaming between two names of one file does nothing. */
-static void take_back(cli_run *run, int n)
+/* The first n outputs go, and what stood there comes back. Returns an output whose older file could not, or NULL. */
+static cli_output *take_back(cli_run *run, int n)
 {
+    cli_output *lost = NULL;
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
         o->kept = 0;
         if (o->older == NULL && i < n && o->kind == CLI_OUT_NEW) remove(o->target);
-        if (o->older != NULL && rename(o->older, o->target) == 0) remove(o->older);
+        if (o->older == NULL) continue;
+        if (are_one_file(o->older, o->target)) remove(o->older); /* it still stands there */
+        else if (rename(o->older, o->target) != 0) lost = o;
     }
+    return lost;
 }
 
 /* All that may be in the way is moved there before the first output gets its name. Returns how many are ready. */
@@ -311,8 +332,28 @@ static int set_all_aside(cli_run *run)
     return n;
 }
 
+static void forget_older(cli_output *o)
+{
+    free(o->older);
+    o->older = NULL;
+}
+
+/* All have their names, so what stood there is needed no more. */
+static void drop_older(cli_run *run)
+{
+    for (int i = 0; i < run->outputs; i++)
+        if (run->output[i].older != NULL && remove(run->output[i].older) == 0) forget_older(&run->output[i]);
+}
+
+static int fail_to_keep(cli_run *run, const cli_output *o, int error, const cli_output *lost)
+{
+    if (lost == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
+    return cli_fail(run, "%s: cannot be written: %s; what stood at %s is now %s", o->path, strerror(error), lost->path, lost->older);
+}
+
 int cli_keep_outputs(cli_run *run)
 {
+    cli_output *lost = NULL;
     int ready, named = 0, good, error;
     if (cli_interrupted()) return cli_fail_interrupted(run);
     cli_lock();
@@ -321,17 +362,17 @@ int cli_keep_outputs(cli_run *run)
         while (named < run->outputs && give_name(&run->output[named])) named++;
     error = errno;
     good = named == run->outputs;
-    if (!good) take_back(run, named);
-    for (int i = 0; i < run->outputs; i++) {
-        cli_output *const o = &run->output[i];
-        if (good && o->older != NULL) remove(o->older);
-        free(o->older);
-        o->older = NULL;
-    }
+    if (good) drop_older(run);
+    else lost = take_back(run, named);
     if (good) cli_watch_kept();
     cli_unlock();
-    if (good) return CLI_DONE;
-    return cli_fail(run, "%s: cannot be written: %s", run->output[ready < run->outputs ? ready : named].path, strerror(error));
+    if (!good) fail_to_keep(run, &run->output[ready < run->outputs ? ready : named], error, lost);
+    for (int i = 0; i < run->outputs; i++) {
+        cli_output *const o = &run->output[i];
+        if (good && o->older != NULL) cli_warn(run, "%s, which stood at %s, cannot be removed", o->older, o->path);
+        forget_older(o);
+    }
+    return good ? CLI_DONE : CLI_FAILED;
 }
 
 /* The system takes a large file apart when its last user closes it: kept open here, that is not now. */

@@ -227,13 +227,15 @@ static void watch_by_handlers(const int *number, int count)
 }
 
 /* What was ignored when the program started stays ignored (nohup, jobs in the background of a script). A pipe that nobody
- * reads is an error of writing like any other, not the end of a program with files to tidy up. */
+ * reads, or a file beyond the shell's limit of sizes, is an error of writing like any other, not the end of a program with
+ * files to tidy up. */
 void cli_watch_start(void)
 {
     static const int caught[3] = {SIGINT, SIGTERM, SIGHUP};
     pthread_t thread;
     int count = 0;
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
     sigemptyset(&watch_signals);
     for (int i = 0; i < 3; i++) {
         struct sigaction old;

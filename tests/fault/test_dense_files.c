@@ -1,13 +1,16 @@
 /* test_dense_files.c - the readers and writers of .npy, .nrrd, .vti and the lattice's side-car with every allocation failing
- * once and cancelled at every progress call. After each failure the grid is as it was and nothing is held. */
+ * once and cancelled at every progress call. After each failure the grid is as it was and nothing is held, and the same context
+ * does the work with the usual result. */
 #include "fault/context.h"
 
-/* A file's bytes or the grid to be written. */
+/* A file's bytes or the grid to be written, and what the result must hash to once a first run has set it. */
 typedef struct dense_case {
     const bvx_grid *grid;
     const void *bytes;
     uint64_t size;
     int32_t format;
+    uint64_t hash;
+    int other; /* another result than usual */
 } dense_case;
 
 static uint64_t words[9 * 7 * 2];
@@ -30,13 +33,20 @@ static int make_grid(void **state)
     return 0;
 }
 
+static void note_result(dense_case *c, uint64_t hash)
+{
+    if (c->hash == 0) c->hash = hash;
+    c->other |= hash != c->hash;
+}
+
 static bvx_status write_dense(void *user, bvx_context *ctx)
 {
     static const bvx_buffer empty = {0};
-    const dense_case *const c = user;
+    dense_case *const c = user;
     bvx_buffer b = {0};
     bvx_status const status = c->format == 0 ? bvx_write_lattice(ctx, c->grid, &b) : bvx_write_grid(ctx, c->grid, c->format, &b);
     if (status != BVX_OK) assert_memory_equal(&b, &empty, sizeof b);
+    else note_result(c, bvx_hash(b.bytes, (size_t)b.size, 0));
     bvx_buffer_free(ctx, &b);
     return status;
 }
@@ -44,10 +54,16 @@ static bvx_status write_dense(void *user, bvx_context *ctx)
 static bvx_status read_dense(void *user, bvx_context *ctx)
 {
     static const bvx_grid empty = {0};
-    const dense_case *const c = user;
+    dense_case *const c = user;
     bvx_grid g = {0};
     bvx_status const status = bvx_read_grid(ctx, c->bytes, c->size, c->format, NULL, &g);
-    if (status != BVX_OK) assert_memory_equal(&g, &empty, sizeof g);
+    if (status != BVX_OK) {
+        assert_memory_equal(&g, &empty, sizeof g);
+    } else {
+        uint64_t hash;
+        assert_int_equal(bvx_grid_hash(ctx, &g, &hash), BVX_OK);
+        note_result(c, hash);
+    }
     bvx_grid_free(ctx, &g);
     return status;
 }
@@ -58,6 +74,8 @@ static void check_everything(fault_operation_fn *operation, dense_case *c, uint6
     const char *wrong = fault_every_allocation(operation, c, NULL, &allocations);
     if (wrong == NULL) wrong = fault_every_cancel(operation, c, NULL, &calls);
     if (wrong != NULL) fail_msg("%s", wrong);
+    if (c->other) fail_msg("format %d: another result than usual", (int)c->format);
+    assert_true(c->hash != 0);
     assert_int_equal(allocations, wanted);
     assert_true(calls > 0 || c->format == 0);
 }
@@ -67,7 +85,7 @@ static void test_write_dense_files(void **state)
     static const int32_t formats[] = {0, BVX_FORMAT_NPY, BVX_FORMAT_NRRD, BVX_FORMAT_VTI};
     (void)state;
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
-        dense_case c = {&grid, NULL, 0, 0};
+        dense_case c = {&grid, NULL, 0, 0, 0, 0};
         c.format = formats[i];
         check_everything(write_dense, &c, 1);
     }
@@ -81,7 +99,7 @@ static void test_read_dense_files(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
         bvx_buffer b = {0};
-        dense_case c = {NULL, NULL, 0, 0};
+        dense_case c = {NULL, NULL, 0, 0, 0, 0};
         assert_int_equal(bvx_write_grid(ctx, &grid, formats[i], &b), BVX_OK);
         c.bytes = b.bytes;
         c.size = b.size;
@@ -98,7 +116,8 @@ static void test_read_text_and_base64(void **state)
     static const char vti[] = "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\"><ImageData WholeExtent=\"0 3 0 2 0 2\">"
                               "<Piece Extent=\"0 3 0 2 0 2\"><CellData><DataArray type=\"UInt8\" format=\"binary\">"
                               "DAAAAAEAAQAAAQABAAEBAA==</DataArray></CellData></Piece></ImageData></VTKFile>";
-    dense_case text = {NULL, nrrd, sizeof nrrd - 1, BVX_FORMAT_NRRD}, base64 = {NULL, vti, sizeof vti - 1, BVX_FORMAT_VTI};
+    dense_case text = {NULL, nrrd, sizeof nrrd - 1, BVX_FORMAT_NRRD, 0, 0};
+    dense_case base64 = {NULL, vti, sizeof vti - 1, BVX_FORMAT_VTI, 0, 0};
     (void)state;
     check_everything(read_dense, &text, 1);
     check_everything(read_dense, &base64, 2); /* the decoded samples, and the grid */

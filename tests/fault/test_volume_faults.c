@@ -229,6 +229,65 @@ static void test_volumes_live_in_an_arena(void **state)
     }
 }
 
+/* What a caller's function for packed data does wrong, after it has written a part of them. */
+typedef struct bad_unpacker {
+    int calls, fail_at;
+    int32_t result;
+} bad_unpacker;
+
+static int32_t unpack_at_times(void *user, const void *packed, uint64_t packed_bytes, void *plain, uint64_t plain_bytes)
+{
+    bad_unpacker *const u = user;
+    if (++u->calls != u->fail_at) return unpack_nothing(NULL, packed, packed_bytes, plain, plain_bytes);
+    memset(plain, 0x77, (size_t)plain_bytes / 2);
+    return u->result;
+}
+
+static bvx_status pack_grid(bvx_context *ctx, const bvx_read_volume_options *o, uint64_t *hash)
+{
+    bvx_volume volume = {0};
+    bvx_grid grid = {0};
+    bvx_status status = bvx_read_volume(ctx, packed_file, packed_size, BVX_FORMAT_NRRD, o, &volume);
+    if (status == BVX_OK) status = bvx_threshold(ctx, &volume.view, 50, 200, NULL, &grid);
+    if (status == BVX_OK) assert_int_equal(bvx_grid_hash(ctx, &grid, hash), BVX_OK);
+    else assert_null(volume.view.samples);
+    bvx_grid_free(ctx, &grid);
+    bvx_volume_free(ctx, &volume);
+    return status;
+}
+
+/* The caller's function fails in its first, second, third call: each time that read fails, with a message and nothing held, and
+ * the same context reads the same volume before and after. */
+static void test_an_unpacker_that_fails_at_every_call(void **state)
+{
+    static const int32_t results[] = {1, -1, INT32_MAX, INT32_MIN};
+    (void)state;
+    for (int at = 1; at <= 3; at++)
+        for (size_t r = 0; r < sizeof results / sizeof results[0]; r++) {
+            fault_heap heap = {0};
+            bvx_context_options const base = default_options(), o = fault_options(&base, &heap);
+            bvx_context *const ctx = context_with(&o);
+            bad_unpacker u = {0, 0, 0};
+            bvx_read_volume_options options;
+            uint64_t want = 0;
+            bvx_read_volume_options_init(&options, sizeof options);
+            options.inflate = unpack_at_times;
+            options.inflate_user = &u;
+            u.fail_at = at;
+            u.result = results[r];
+            for (int i = 1; i <= 4; i++) {
+                uint64_t hash = 0;
+                assert_null(fault_after(ctx, pack_grid(ctx, &options, &hash), i == at ? BVX_ERR_FORMAT : BVX_OK));
+                if (i == at) continue;
+                if (want == 0) want = hash;
+                assert_true(hash != 0 && hash == want);
+            }
+            assert_int_equal(u.calls, 4);
+            bvx_context_destroy(ctx);
+            assert_null(fault_end(&heap));
+        }
+}
+
 /* Names of data files ask for no memory, and a head cut off anywhere gives none or those of a shorter head. */
 static void test_data_names_of_a_head_that_is_cut_off(void **state)
 {
@@ -270,6 +329,7 @@ int main(void)
         cmocka_unit_test(test_volumes_cancel_at_every_progress_call),
         cmocka_unit_test(test_volumes_under_every_memory_limit),
         cmocka_unit_test(test_volumes_live_in_an_arena),
+        cmocka_unit_test(test_an_unpacker_that_fails_at_every_call),
         cmocka_unit_test(test_data_names_of_a_head_that_is_cut_off),
     };
     return cmocka_run_group_tests(tests, make_volumes, free_volumes);

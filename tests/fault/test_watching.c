@@ -45,7 +45,7 @@ static void test_free_sees_a_block_freed_twice(void **state)
 static void test_free_sees_writes_outside_the_block(void **state)
 {
     fault_heap heap = {0};
-    unsigned char *a = fault_alloc(&heap, 10, 64);
+    unsigned char *volatile a = fault_alloc(&heap, 10, 64); /* volatile: or a compiler sees it too, and warns */
     (void)state;
     a[10] = 0;
     fault_free(&heap, a, 10, 64);
@@ -69,6 +69,21 @@ static bvx_status swallow_the_failure(void *user, bvx_context *ctx)
     (void)user;
     if (bvxi_alloc(ctx, BVXI_RESULT, 10, "a block", &block) == BVX_OK) bvxi_free(ctx, block, 10);
     return BVX_OK;
+}
+
+/* Tidies up only where it gets a block to do so with. */
+static bvx_status leak_when_all_fails(void *user, bvx_context *ctx)
+{
+    void *a, *b;
+    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, 10, "a block", &a);
+    (void)user;
+    if (status != BVX_OK) return status;
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, 20, "a block", &b);
+    if (status == BVX_OK) bvxi_free(ctx, b, 20);
+    else if (bvxi_alloc(ctx, BVXI_SCRATCH, 5, "a spare block", &b) != BVX_OK) return status;
+    else bvxi_free(ctx, b, 5);
+    bvxi_free(ctx, a, 10);
+    return status;
 }
 
 static bvx_status go_on_when_cancelled(void *user, bvx_context *ctx)
@@ -106,6 +121,7 @@ static void test_the_loop_over_allocations_sees_what_is_wrong(void **state)
     (void)state;
     assert_non_null(strstr(fault_every_allocation(keep_a_block, NULL, NULL, NULL), "10 bytes still counted as used"));
     assert_non_null(strstr(fault_every_allocation(swallow_the_failure, NULL, NULL, NULL), "status 0"));
+    assert_non_null(strstr(fault_every_allocation(leak_when_all_fails, NULL, NULL, NULL), "allocation 2: 10 bytes still counted as used"));
 }
 
 static void test_the_loop_over_cancels_sees_what_is_wrong(void **state)

@@ -28,6 +28,7 @@ typedef struct fault_block {
 /* Zeroed, it is an allocator that never fails. */
 typedef struct fault_heap {
     uint64_t fail_at;      /* this allocation returns NULL, 1 being the first; 0: none */
+    int for_ever;          /* and so does each one after it */
     uint64_t asked;        /* allocations asked for */
     uint64_t failed;       /* allocations refused */
     uint64_t live_blocks, live_bytes, peak_bytes;
@@ -50,7 +51,7 @@ static inline void *fault_alloc(void *user, size_t size, size_t align)
     if (align == 0 || align > 64 || (align & (align - 1)) != 0)
         fault_note(heap, "an alignment that is none (align, size)", align, size);
     if (size == 0) fault_note(heap, "an allocation of nothing (align, size)", align, size);
-    if (heap->asked == heap->fail_at) {
+    if (heap->asked == heap->fail_at || (heap->for_ever && heap->fail_at != 0 && heap->asked > heap->fail_at)) {
         heap->failed++;
         return NULL;
     }
@@ -175,8 +176,23 @@ static inline const char *fault_at(uint64_t n, const char *place, int again, con
     return text;
 }
 
-/* Run with allocation n failing, n = 1, 2, ... until a run asks for fewer. Each failure gives BVX_ERR_MEMORY with a
- * message, leaks nothing, and the same context does the work afterwards. *allocations: how many places there are. */
+/* One run with allocation n failing, alone or with all that follow. *failed: there is such an allocation. */
+static inline const char *fault_allocation(fault_operation_fn *operation, void *user, bvx_context *context, fault_heap *heap,
+                                           uint64_t n, int for_ever, int *failed)
+{
+    bvx_status status;
+    heap->asked = heap->failed = 0;
+    heap->fail_at = n;
+    heap->for_ever = for_ever;
+    status = operation(user, context);
+    heap->fail_at = 0;
+    *failed = heap->failed != 0;
+    return fault_after(context, status, *failed ? BVX_ERR_MEMORY : BVX_OK);
+}
+
+/* Run with allocation n and all that follow failing, then with it alone, n = 1, 2, ... until a run asks for fewer. Each failure
+ * gives BVX_ERR_MEMORY with a message, leaks nothing, and the same context does the work afterwards. *allocations: how many
+ * places there are. */
 static inline const char *fault_every_allocation(fault_operation_fn *operation, void *user,
                                                  const bvx_context_options *base, uint64_t *allocations)
 {
@@ -184,18 +200,15 @@ static inline const char *fault_every_allocation(fault_operation_fn *operation, 
         fault_heap heap = {0};
         bvx_context_options const o = fault_options(base, &heap);
         bvx_context *context = NULL;
-        const char *wrong = NULL, *left;
-        uint64_t failed;
-        int again = 0;
-        bvx_status status = bvx_context_create(&o, &context);
-        if (status != BVX_OK) return fault_at(n, "allocation", 0, "no context");
-        heap.asked = 0;
-        heap.fail_at = n;
-        status = operation(user, context);
-        failed = heap.failed;
-        heap.fail_at = 0;
-        wrong = fault_after(context, status, failed != 0 ? BVX_ERR_MEMORY : BVX_OK);
-        if (wrong == NULL && failed != 0) {
+        const char *wrong, *left;
+        int failed = 0, again = 0;
+        if (bvx_context_create(&o, &context) != BVX_OK) return fault_at(n, "allocation", 0, "no context");
+        wrong = fault_allocation(operation, user, context, &heap, n, 1, &failed);
+        if (wrong == NULL && failed) {
+            wrong = fault_allocation(operation, user, context, &heap, n, 0, &failed);
+            if (wrong == NULL && !failed) wrong = "a second run in the same context asks for fewer";
+        }
+        if (wrong == NULL && failed) {
             wrong = fault_after(context, operation(user, context), BVX_OK);
             again = 1;
         }
@@ -203,7 +216,7 @@ static inline const char *fault_every_allocation(fault_operation_fn *operation, 
         left = fault_end(&heap);
         if (wrong == NULL) wrong = left;
         if (wrong != NULL) return fault_at(n, "allocation", again, wrong);
-        if (failed == 0) {
+        if (!failed) {
             if (allocations != NULL) *allocations = n - 1;
             return NULL;
         }
