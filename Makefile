@@ -19,7 +19,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo python test-python test test-quick test-machines deps san golden matrix bare coverage mcdc fuzz analyze bench install uninstall amalgamation clean force \
+.PHONY: all help demo python test-python test test-quick test-machines deps san abi golden matrix bare coverage mcdc fuzz analyze bench install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -252,6 +252,9 @@ test-machines: deps ## every unit test on 32-bit x86 and big-endian s390x (long)
 
 san: ## unit, fault and fuzz tests under ASan and UBSan
 	@$(environment) sh tests/tools/run_tests.sh san
+
+abi: library ## header by every standard, symbols, offsets here and on other machines, types against the stored ones (REWRITE=1: store)
+	@BUILD=$(BUILD) CC=$(call quote,$(CC)) sh tests/tools/abi.sh $(if $(filter-out 0,$(REWRITE)),rewrite,full)
 
 matrix: ## golden values by every compiler, flag and machine that is here (MATRIX=row,row: only these; deps: DEPS=1)
 	@$(environment) MATRIX=$(call quote,$(MATRIX)) DEPS=$(DEPS) sh tests/tools/matrix.sh
