@@ -83,6 +83,7 @@ changes_of() { # REPORT
 
 types_as_stored() {
     needs abidiff abigail-tools
+    rm -f "$work/same"
     dump "$work/now.abi" || return 1
     abidiff --no-added-syms --leaf-changes-only "$stored" "$work/now.abi" >"$work/leaves.txt" 2>&1
     status=$?
@@ -90,14 +91,14 @@ types_as_stored() {
     if [ $((status & 3)) != 0 ]; then cat "$work/leaves.txt" && return 1; fi
     changes_of "$work/leaves.txt" >"$work/changes.txt"
     if [ -s "$work/changes.txt" ] || [ $((status & 8)) != 0 ]; then
-        sed 's/^/error: /' "$work/changes.txt"
-        cat "$work/leaves.txt"
+        grep . "$work/leaves.txt" | sed 's/^/error: /'
         return 1
     fi
+    touch "$work/same"
 }
 
 additions() {
-    [ -s "$work/now.abi" ] || return 0
+    [ -f "$work/same" ] || return 0
     abidiff --leaf-changes-only "$stored" "$work/now.abi" 2>&1 | grep -E "^ *\[A\]|^.struct |^    '" | sed 's/^/note  added: /'
 }
 
@@ -125,7 +126,7 @@ full)
             check "header as $standard by $cxx" header_as $cxx -std=$standard -x c++ -Wzero-as-null-pointer-constant
         done
     done
-    check 'offsets on 32-bit x86' offsets_there offsets_i686.txt '' i686-linux-gnu-gcc
+    check 'offsets on 32-bit x86' offsets_there offsets_i686.txt qemu-i386 i686-linux-gnu-gcc
     check 'offsets on 32-bit ARM' offsets_there offsets_armhf.txt qemu-arm arm-linux-gnueabihf-gcc
     check 'offsets on s390x' offsets_there offsets.txt qemu-s390x s390x-linux-gnu-gcc
     check 'offsets on 64-bit ARM' offsets_there offsets.txt qemu-aarch64 aarch64-linux-gnu-gcc

@@ -16,7 +16,7 @@ offsets_there() { # MACHINE, RUNNER, COMPILER: where they are here
     [ -z "$2" ] || command -v "$2" >/dev/null 2>&1 || return 0
     RUNNER=$2 sh tests/tools/struct_offsets.sh "$3" -static >"tests/golden/offsets_$1.txt"
 }
-offsets_there i686 '' i686-linux-gnu-gcc
+offsets_there i686 qemu-i386 i686-linux-gnu-gcc
 offsets_there armhf qemu-arm arm-linux-gnueabihf-gcc
 changed=0
 for f in fixtures/golden/*.txt tests/golden/*.txt; do
