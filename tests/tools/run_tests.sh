@@ -6,7 +6,7 @@
 #     machines  all unit tests and golden values on 32-bit x86 and on big-endian s390x (half an hour under an emulator)
 #     san    unit, fault and fuzz tests under ASan, UBSan and the leak detector
 #     memory   unit, golden and fuzz tests under clang's MSan, on one thread: memory that is read before it is written
-#     threads  unit, golden and fuzz tests under clang's TSan with libomp and archer, no test on fewer than two threads
+#     threads  unit, golden and fuzz tests under clang's TSan with libomp and archer, on several threads, but for tests that count progress calls
 #              (gcc's libgomp is not instrumented and gives false reports; cmocka is not, so fault tests stay out of both)
 # Called by make, which hands over compiler and flags. A row is one build of the library and the tests run with it.
 set -u
@@ -144,7 +144,7 @@ sanitized() { # ROW, REPORT, DEFECT, INPUTS OF EACH FUZZ PROGRAM
     check "$1/finds a defect made on purpose" sanitizer_finds "$runner" "$2" "$3"
     run_kind "$1" unit "$runner"
     run_golden "$1" "$runner" --portable
-    run_golden "$1" "$runner"
+    run_golden "$1" "$runner" --threads 4
     run_fuzz "$1" "$runner" "$4"
 }
 
