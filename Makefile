@@ -19,8 +19,8 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo python test-python test test-quick test-machines deps san golden matrix bare coverage mcdc fuzz analyze bench install uninstall amalgamation clean force \
-        print-folder golden-program library program test-programs fault-programs fuzz-programs bench-programs row-products
+.PHONY: all help demo python test-python test test-quick test-machines deps san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench install uninstall amalgamation clean force \
+        print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
 
@@ -147,6 +147,7 @@ $(folder)/tests/fuzz/%: flags = -Itests -DBVX_FUZZ_MAIN
 $(folder)/tests/fault/%: test_libs = -lcmocka
 
 test-programs: $(call built,,$(unit_tests) $(golden_tests) $(examples))
+sanitizer-probe: $(call built,,tests/tools/sanitizer_probe.c)
 fault-programs: $(call built,,$(fault_tests))
 fuzz-programs: $(call built,,$(fuzz_tests))
 bench-programs: $(call built,,$(benches))
@@ -252,6 +253,15 @@ test-machines: deps ## every unit test on 32-bit x86 and big-endian s390x (long)
 
 san: ## unit, fault and fuzz tests under ASan and UBSan
 	@$(environment) sh tests/tools/run_tests.sh san
+
+san-memory: ## unit, golden and fuzz tests under MSan (clang)
+	@$(environment) sh tests/tools/run_tests.sh memory
+
+san-threads: ## unit, golden and fuzz tests under TSan, all on several threads (clang, libomp-dev)
+	@$(environment) sh tests/tools/run_tests.sh threads
+
+abi: library ## header by every standard, symbols, offsets here and on other machines, types against the stored ones (REWRITE=1: store)
+	@BUILD=$(BUILD) CC=$(call quote,$(CC)) sh tests/tools/abi.sh $(if $(filter-out 0,$(REWRITE)),rewrite,full)
 
 matrix: ## golden values by every compiler, flag and machine that is here (MATRIX=row,row: only these; deps: DEPS=1)
 	@$(environment) MATRIX=$(call quote,$(MATRIX)) DEPS=$(DEPS) sh tests/tools/matrix.sh

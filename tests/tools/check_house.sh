@@ -25,24 +25,7 @@ empty() { # FILE, WHAT ITS LINES ARE: the check holds when there are none
     return 1
 }
 
-# ---- header ----
-
-header_as() { # COMPILER, FLAGS...
-    (
-        needs "$1"
-        echo '#include "bitvox.h"' >"$work/alone.c"
-        # shellcheck disable=SC2086
-        "$@" $strict -Iinclude -c "$work/alone.c" -o "$work/alone.o"
-    )
-}
-
-# Every function that the header declares is exported, and nothing else is.
-exports_the_header() {
-    tr '\n' ' ' <include/bitvox.h | grep -o 'BVX_API [^(;]*(' | grep -o 'bvx_[a-z0-9_]*($' | tr -d '(' |
-        LC_ALL=C sort -u >"$work/declared.txt"
-    [ -s "$work/declared.txt" ] || return 1
-    sh tests/tools/list_symbols.sh "$BUILD/libbitvox.so" | diff -u "$work/declared.txt" -
-}
+# ---- sources ----
 
 # The C example of the README is a whole program; it compiles and links as it stands there.
 readme_example() {
@@ -52,8 +35,6 @@ readme_example() {
     # shellcheck disable=SC2086
     $CC -std=c99 -Wall -Wextra -Werror -Iinclude "$work/readme.c" "$BUILD/libbitvox.so" -lm -o "$work/readme"
 }
-
-# ---- sources ----
 
 as_one_unit() {
     for f in $core; do echo "#include \"$PWD/$f\""; done >"$work/unit.c"
@@ -141,12 +122,6 @@ compiles_for_windows() {
     done
 }
 
-struct_offsets() {
-    [ "$(getconf LONG_BIT 2>/dev/null)" = 64 ] || { echo "the stored offsets are those of 64-bit machines" && exit 77; }
-    # shellcheck disable=SC2086
-    sh tests/tools/struct_offsets.sh $CC | diff -u tests/golden/offsets.txt -
-}
-
 tables_as_generated() {
     needs python3
     sh tests/tools/check_tables.sh
@@ -164,10 +139,6 @@ refuses_fast_math() {
 }
 
 # ---- libraries ----
-
-only_stored_symbols() {
-    sh tests/tools/list_symbols.sh "$BUILD/libbitvox.so" | diff -u tests/golden/symbols.txt -
-}
 
 static_names() {
     nm -g --defined-only "$objects/libbitvox.a" | awk 'NF == 3 && $3 !~ /^bvxi?_/ { print "error: global name " $3; bad = 1 }
@@ -210,11 +181,8 @@ fixtures_as_generated() {
         "$work/make_cloud" "$work/cloud.xyz" && cmp "$work/cloud.xyz" fixtures/ball.xyz
 }
 
-# shellcheck disable=SC2086
-check 'header alone as C99' header_as $CC -std=c99
-check 'header alone as C99 by clang' header_as clang -std=c99
-check 'header alone as C++' header_as g++ -std=c++11 -x c++
-check 'header alone as C++ by clang' header_as clang++ -std=c++11 -x c++
+sh tests/tools/abi.sh quick >"$(log_of abi)" 2>&1
+add_script abi "$(log_of abi)" $?
 check 'README example' readme_example
 check 'all sources as one unit' as_one_unit
 check 'amalgamation' amalgamation
@@ -226,9 +194,6 @@ check 'case table is what its generator prints' tables_as_generated
 check 'file names are unique' file_names_unique
 check 'fixtures are what their generators write' fixtures_as_generated
 check 'fast-math is refused' refuses_fast_math
-check 'functions of the header are exported' exports_the_header
-check 'exported symbols as stored' only_stored_symbols
-check 'struct offsets as stored' struct_offsets
 check 'every function has a fault test, a fuzz target and a golden row' every_function_proven
 check 'global names of the static library' static_names
 check 'no writable globals' no_globals

@@ -25,7 +25,7 @@ fail() { # NAME, LOG: shows the lines of the log that tell most
 show() { # LOG
     grep -v -E '^  (CC|AR|LINK) |^make.*not remade' "$1" >"$logs/shown"
     if [ "$(wc -l <"$logs/shown")" -gt 40 ]; then
-        grep -E ':FAIL|^not ok|^FAIL|^#|error|ERROR|warning:|undefined reference' "$logs/shown" | head -n 25
+        grep -E ':FAIL|^not ok|^FAIL|^#|error|ERROR|warning:|WARNING:|SUMMARY:|undefined reference' "$logs/shown" | head -n 25
         echo "... and last:"
         tail -n 12 "$logs/shown"
     else

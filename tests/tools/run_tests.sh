@@ -1,10 +1,13 @@
 #!/bin/sh
-# run_tests.sh full|quick|san|machines - build and run the tests; the last line is "N passed, N failed[, N skipped]".
+# run_tests.sh full|quick|san|memory|threads|machines - build and run the tests; the last line is "N passed, N failed[, N skipped]".
 #     quick  this compiler alone: unit, fault, golden, program, examples, checks of sources and libraries
 #     full   quick, and: the Python package in a clean environment; golden values by other compilers and flags, readers fuzzed under sanitizers,
 #            unit tests and golden values on 32-bit x86 and, without the longest tests, on big-endian s390x
 #     machines  all unit tests and golden values on 32-bit x86 and on big-endian s390x (half an hour under an emulator)
 #     san    unit, fault and fuzz tests under ASan, UBSan and the leak detector
+#     memory   unit, golden and fuzz tests under clang's MSan, on one thread: memory that is read before it is written
+#     threads  unit, golden and fuzz tests under clang's TSan with libomp and archer, on several threads, but for tests that count progress calls
+#              (gcc's libgomp is not instrumented and gives false reports; cmocka is not, so fault tests stay out of both)
 # Called by make, which hands over compiler and flags. A row is one build of the library and the tests run with it.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -18,6 +21,8 @@ jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 sanitizers='-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer'
 export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1:allocator_may_return_null=1
 export UBSAN_OPTIONS=print_stacktrace=1
+export MSAN_OPTIONS=exit_code=1:allocator_may_return_null=1 # its own exit code, 77, would read as skipped
+export TSAN_OPTIONS=ignore_noninstrumented_modules=1:allocator_may_return_null=1
 export CMOCKA_MESSAGE_OUTPUT=TAP
 # Threads that spin at the end of a step take the processor from the tests beside them: half of the time of some.
 export OMP_WAIT_POLICY=passive
@@ -44,6 +49,12 @@ row_plain() { mk CFLAGS=-O0 OPENMP=0 ZLIB=0 WERROR=1 "$@"; }
 row_fast() { mk CFLAGS=-O3 WERROR=1 "$@"; }
 row_clang() { mk CC=clang CFLAGS=-O3 WERROR=1 "$@"; }
 row_san() { mk CFLAGS="-O1 -g $sanitizers" "$@"; }
+row_memory() {
+    mk CC=clang OPENMP=0 ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=memory -fsanitize-memory-track-origins' "$@"
+}
+row_threads() {
+    mk CC=clang ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=thread' CPPFLAGS='-include tests/tools/more_threads.h' "$@"
+}
 row_i686() { mk CC="$i686" AR="$i686_ar" CFLAGS=-O2 LDFLAGS=-static OPENMP=0 ZLIB=0 WERROR=1 "$@"; }
 row_s390x() {
     mk CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 LDFLAGS=-static OPENMP=0 ZLIB=0 WERROR=1 "$@"
@@ -104,11 +115,40 @@ int main(void) { return 0; }' | compiles "$CC" -lcmocka; then
     fi
 }
 
-run_fuzz() {
-    build san fuzz-programs
+run_fuzz() { # ROW, RUNNER, PROGRAM ARGUMENTS...
+    fuzz_row=$1 runner=$2
+    shift 2
+    build "$fuzz_row" fuzz-programs
     for source in tests/fuzz/fuzz_*.c; do
-        if [ -f "$source" ]; then check "san/fuzz/$(basename "$source" .c)" $limit "$folder/${source%.c}"; fi
+        # shellcheck disable=SC2086
+        if [ -f "$source" ]; then check "$fuzz_row/fuzz/$(basename "$source" .c)" $limit $runner "$folder/${source%.c}" "$@"; fi
     done
+}
+
+# Does this build find what it is for, and nothing where there is nothing?
+sanitizer_finds() { # RUNNER, WHAT ITS REPORT SAYS, DEFECT
+    probe=$folder/tests/tools/sanitizer_probe
+    $1 "$probe" clean || return 1
+    $1 "$probe" "$3" >"$logs/probe.log" 2>&1 && echo "the sanitizer is silent" && return 1
+    grep "$2" "$logs/probe.log"
+}
+
+# Both sanitizers lay memory out their own way, which a kernel that places programs at random may prevent.
+sanitized() { # ROW, REPORT, DEFECT, INPUTS OF EACH FUZZ PROGRAM
+    if ! has clang; then
+        skip "$1" "clang is missing (Debian: clang)"
+        return
+    fi
+    export BVX_QUICK=1
+    limit=${limit:+timeout 1800}
+    runner=
+    if has setarch && setarch "$(uname -m)" -R true 2>/dev/null; then runner="setarch $(uname -m) -R"; fi
+    build "$1" test-programs sanitizer-probe
+    check "$1/finds a defect made on purpose" sanitizer_finds "$runner" "$2" "$3"
+    run_kind "$1" unit "$runner"
+    run_golden "$1" "$runner" --portable
+    run_golden "$1" "$runner" --threads 4
+    run_fuzz "$1" "$runner" "$4"
 }
 
 # Examples in C are programs, those of the command line are scripts that take the program from BITVOX.
@@ -263,7 +303,7 @@ full)
     run_python
     tests_of_other_compilers
     run_fault san
-    run_fuzz
+    run_fuzz san ''
     wait $beside
     add_script "other machines" "$machines" $?
     ;;
@@ -283,7 +323,20 @@ san)
     run_kind san unit ''
     run_fault san
     run_golden san ''
-    run_fuzz
+    run_fuzz san ''
+    ;;
+memory)
+    sanitized memory 'use-of-uninitialized-value' memory 300
+    ;;
+threads)
+    if ! echo '#include <omp.h>
+int main(void) { return omp_get_max_threads() < 1; }' | compiles clang -fopenmp -fsanitize=thread; then
+        skip threads "clang has no OpenMP or no thread sanitizer (Debian: clang libomp-dev)"
+        finish
+        exit
+    fi
+    export OMP_NUM_THREADS=4
+    sanitized threads 'data race' race 100
     ;;
 *)
     echo "run_tests: no tier named $tier" >&2

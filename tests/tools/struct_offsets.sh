@@ -1,6 +1,7 @@
 #!/bin/sh
-# struct_offsets.sh CC - size of every public struct and offset of every field, one a line, as this compiler lays them out.
-# The fields are read from include/bitvox.h, so none is forgotten. Run from the repository root.
+# struct_offsets.sh CC - size of every public struct and offset of every field, one a line, as this compiler lays them out, and
+# the value of every constant. They are read from include/bitvox.h, so none is forgotten. Run from the repository root.
+# RUNNER in the environment: what runs the compiler's programs, when this machine does not.
 set -eu
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -27,7 +28,9 @@ trap 'rm -rf "$work"' EXIT
                 print "printf(\"  %s.%s %u\\n\", \"" name "\", \"" field[i] "\", (unsigned)offsetof(" name ", " field[i] "));"
             }
         }'
+    "$@" -std=c99 -E -P include/bitvox.h | tr '\n' ' ' | grep -o 'enum *{[^}]*}' | grep -o 'BVX_[A-Z0-9_]*' |
+        awk '!known[$0]++ { print "printf(\"" $0 " %d\\n\", (int)" $0 ");" }'
     echo 'return 0; }'
 } >"$work/offsets.c"
 "$@" -std=c99 -Iinclude "$work/offsets.c" -o "$work/offsets"
-"$work/offsets"
+${RUNNER:-} "$work/offsets"
