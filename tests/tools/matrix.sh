@@ -4,7 +4,9 @@
 #     MATRIX=row,row   only these rows (names as printed)
 #     DEPS=1           install the compilers and emulators first (Debian and Ubuntu names, as root)
 # Every row builds the golden program with its settings and runs it; the hash is of the whole table that it printed. The
-# report goes to build/matrix/report.md. A row whose tools are missing is skipped and says so. The last line counts.
+# report goes to build/matrix/report.md, with the processor time that the golden program took; rows that are asked for one
+# after another gather there for as long as the sources stay the same, and all of them must have one table. A row whose tools
+# are missing is skipped and says so. The last line counts.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BUILD:=build}" "${MAKE_COMMAND:=make}"
@@ -22,14 +24,22 @@ packages='clang clang-19 gcc-i686-linux-gnu libc6-dev-i386-cross gcc-aarch64-lin
 if [ -n "${DEPS:-}" ]; then PACKAGES=$packages sh tests/tools/deps.sh; fi
 
 report=$matrix/report.md
-printf '| row | compiler | flags | golden rows | table | seconds |\n|---|---|---|--:|---|--:|\n' >"$report"
-hashes=$matrix/hashes
-: >"$hashes"
+sources=$(cat include/*.h src/*/*.[ch] tests/golden/*.[ch] tests/tools/*.h Makefile | cksum | cut -d ' ' -f 1)
+if [ "$(head -n 1 "$report" 2>/dev/null)" != "Sources with the checksum $sources:" ]; then
+    printf '%s\n' "Sources with the checksum $sources:" '' '| row | compiler | flags | golden rows | table | seconds |' \
+        '|---|---|---|--:|---|--:|' >"$report"
+fi
 
 # Is this row asked for?
 asked() { # NAME
     case ",${MATRIX:-$1}," in *",$1,"*) return 0 ;; esac
     return 1
+}
+
+# Sets $spent: processor seconds of all that this script has run.
+count_spent() {
+    times >"$logs/times"
+    spent=$(awk 'NR == 2 { split($0, t, /[ms ]+/); print t[1] * 60 + t[2] + t[3] * 60 + t[4] }' "$logs/times")
 }
 
 # Run a built golden program and keep what it says of itself.
@@ -38,8 +48,11 @@ table_of() { # NAME, COMPILER, FLAGS, COMMAND...
     shift 3
     row_log=$(log_of "run-$row_name")
     row_start=$(date +%s)
+    count_spent
+    row_before=$spent
     $limit "$@" --print >"$row_log" 2>&1 </dev/null
     row_status=$?
+    count_spent
     row_seconds=$(($(date +%s) - row_start))
     if [ $row_status = 77 ]; then
         skip "$row_name" "$(tail -n 1 "$row_log")"
@@ -48,8 +61,10 @@ table_of() { # NAME, COMPILER, FLAGS, COMMAND...
     add_counts "$row_name" "$row_log" $row_status $row_seconds
     row_hash=$(tr -d '\r' <"$row_log" | grep '^= ' | cksum | cut -d ' ' -f 1)
     row_count=$(tr -d '\r' <"$row_log" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed.*/\1 of \1+\2/p' | sed 's/+0$//')
-    echo "$row_hash" >>"$hashes"
-    echo "| $row_name | $row_compiler | $row_flags | ${row_count:-none} | $row_hash | $row_seconds |" >>"$report"
+    row_spent=$(echo "$spent $row_before" | awk '{ printf "%.0f", $1 - $2 }')
+    awk -F ' [|] ' -v name="| $row_name" '$1 != name' "$report" >"$report.new"
+    echo "| $row_name | $row_compiler | $row_flags | ${row_count:-none} | $row_hash | $row_spent |" >>"$report.new"
+    mv "$report.new" "$report"
 }
 
 # One build; RUNNER and the arguments behind -- go to the golden program.
@@ -145,11 +160,14 @@ row wasm node CC=emcc AR=emar CFLAGS=-O2 'LDFLAGS=-O1 -sNODERAWFS=1 -sSINGLE_FIL
 # No system at all; its table is one line, which bare.sh compares with the stored one.
 if asked cortex-m3; then check cortex-m3 sh tests/tools/bare.sh; fi
 
-different=$(sort -u "$hashes" | wc -l)
+hashes=$(awk -F ' [|] ' 'NR > 4 { print $5 }' "$report")
+rows=$(echo "$hashes" | grep -c .)
+different=$(echo "$hashes" | sort -u | grep -c .)
 if [ "$different" -gt 1 ]; then
-    fail "$different different tables"
-elif [ -s "$hashes" ]; then
-    pass "one table: $(head -n 1 "$hashes") of $(wc -l <"$hashes") rows"
+    fail "$different different tables of $rows rows, see $report"
+elif [ "$different" = 1 ]; then
+    pass "one table: $(echo "$hashes" | head -n 1) of $rows rows"
 fi
-echo "report: $report"
+count_spent
+echo "report: $report; $(echo "$spent" | awk '{ printf "%.0f", $1 }') s of processor time"
 finish
