@@ -11,6 +11,7 @@ set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BUILD:=build}" "${MAKE_COMMAND:=make}"
 unset MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES CC CFLAGS CPPFLAGS LDFLAGS
+export OMP_WAIT_POLICY=passive # more threads than processors would only wait for one another
 jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 matrix=$BUILD/matrix
 logs=$matrix/logs
@@ -34,12 +35,6 @@ fi
 asked() { # NAME
     case ",${MATRIX:-$1}," in *",$1,"*) return 0 ;; esac
     return 1
-}
-
-# Sets $spent: processor seconds of all that this script has run.
-count_spent() {
-    times >"$logs/times"
-    spent=$(awk 'NR == 2 { split($0, t, /[ms ]+/); print t[1] * 60 + t[2] + t[3] * 60 + t[4] }' "$logs/times")
 }
 
 # Run a built golden program and keep what it says of itself.
