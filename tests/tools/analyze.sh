@@ -41,6 +41,7 @@ clang core.uninitialized.Assign src/section/section_field.c as above
 clang core.UndefinedBinaryOperatorResult src/surface/cell_loops.c the corners of a triangle are three that were just set
 clang core.UndefinedBinaryOperatorResult src/surface/facet_plane.c an end without a triangle has a normal of size 0, which is looked at first
 clang core.UndefinedBinaryOperatorResult src/voxelize/sheet.c what is summed round a point is set wherever reach is above 0, and looked at only there
+clang core.NullDereference src/voxelize/sheet_lanes.h edges and triangles are kept only where reach is above 0, which goes with a place to look
 clang core.uninitialized.Assign src/voxelize/sheet.c as above
 clang unix.Errno src/cli/files.c a size that cannot be told is 0 and no failure; errno is set to 0 before each read
 clang unix.Stream src/cli/files.c a last read of nothing ends the loop
@@ -53,7 +54,7 @@ clang core.NullDereference src/io/read_bvx.c runs are unpacked after all of them
 clang core.UndefinedBinaryOperatorResult src/grid/coverage.c no word behind the row's last is taken
 clang core.uninitialized.Assign src/mesh/view.c a block has a vertex at least, so three lanes
 gcc -Wanalyzer-null-dereference src/io/read_bvx.c runs are unpacked after all of them were checked; a NULL was refused there
-gcc -Wanalyzer-null-dereference src/voxelize/sheet_lanes.h edges are added only where reach is above 0, which goes with a place to look
+gcc -Wanalyzer-null-dereference src/voxelize/sheet_lanes.h edges are kept only where reach is above 0, which goes with a place to look
 END
 
 # Reports as FILE:LINE:COLUMN: warning: TEXT [CHECK], without those that are known. A known one that is not reported is named: it
