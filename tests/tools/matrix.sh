@@ -32,7 +32,9 @@ if [ "$(head -n 1 "$report" 2>/dev/null)" != "Sources with the checksum $sources
 fi
 
 # Is this row asked for?
+known_rows=,
 asked() { # NAME
+    known_rows=$known_rows$1,
     case ",${MATRIX:-$1}," in *",$1,"*) return 0 ;; esac
     return 1
 }
@@ -155,6 +157,9 @@ row wasm node CC=emcc AR=emar CFLAGS=-O2 'LDFLAGS=-O1 -sNODERAWFS=1 -sSINGLE_FIL
 # No system at all; its table is one line, which bare.sh compares with the stored one.
 if asked cortex-m3; then check cortex-m3 sh tests/tools/bare.sh; fi
 
+for name in $(echo "${MATRIX:-}" | tr ',' ' '); do
+    case $known_rows in *",$name,"*) ;; *) fail "no row is named $name" ;; esac
+done
 hashes=$(awk -F ' [|] ' 'NR > 4 { print $5 }' "$report")
 rows=$(echo "$hashes" | grep -c .)
 different=$(echo "$hashes" | sort -u | grep -c .)
