@@ -253,7 +253,7 @@ test-machines: deps ## every unit test on 32-bit x86 and big-endian s390x (long)
 san: ## unit, fault and fuzz tests under ASan and UBSan
 	@$(environment) sh tests/tools/run_tests.sh san
 
-matrix: ## golden values by every compiler, flag and machine that is here (MATRIX=row,row: only these; deps: DEPS=1)
+matrix: ## golden values by every compiler, flag and machine that is here (half an hour; MATRIX=row,row: only these; DEPS=1: install them)
 	@$(environment) MATRIX=$(call quote,$(MATRIX)) DEPS=$(DEPS) sh tests/tools/matrix.sh
 
 bare: ## the core on a Cortex-M3 without operating system, under an emulator
@@ -265,7 +265,7 @@ coverage: ## branches of src/ that the quick tests take (gcovr)
 mcdc: ## conditions that decide in the predicates and tables, each by itself (clang-19)
 	@BUILD=$(BUILD) UNITY_DIR=$(UNITY_DIR) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/mcdc.sh
 
-analyze: ## cppcheck, clang-tidy, gcc's analyzer, stack of every function
+analyze: ## cppcheck, clang-tidy, clang's and gcc's analyzers, stack of every function (TOOLS="tidy gcc")
 	@BUILD=$(BUILD) sh tests/tools/analyze.sh
 
 fuzz: ## contracts under a coverage-guided fuzzer (clang; SECONDS_EACH=60 TARGETS="solids fields" KEEP=1)

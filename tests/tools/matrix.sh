@@ -7,6 +7,11 @@
 # report goes to build/matrix/report.md, with the processor time that the golden program took; rows that are asked for one
 # after another gather there for as long as the sources stay the same, and all of them must have one table. A row whose tools
 # are missing is skipped and says so. The last line counts.
+#
+# The golden values are compared in three tiers; minutes are processor time on one x86-64 machine, most of it for compiling.
+#     make test-quick  this compiler: by default, by one thread and the portable code, by eight threads; 10 s beside the tests
+#     make test        and gcc at -O0 and -O3, clang, 32-bit x86, big-endian s390x under an emulator; 4 minutes beside the tests
+#     make matrix      every row below; 25 to 30 minutes, of which the emulators take ten
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BUILD:=build}" "${MAKE_COMMAND:=make}"
