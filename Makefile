@@ -71,7 +71,8 @@ endif
 # no-fma: gcc 12 fuses in vectors of add and subtract whatever the contraction says, where -march=native allows it.
 exact := -ffp-contract=off $(call accepts,-mno-fma) $(call accepts,-fexcess-precision=fast) $(call accepts,-msse2 -mfpmath=sse) \
     $(call accepts,-fno-math-errno -fno-trapping-math)
-strict := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion
+# enum-float-conversion: limits are enums here, and clang since 16 warns where one meets a double, which is exact.
+strict := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion $(call accepts,-Wno-enum-float-conversion)
 base := $(CPPFLAGS) $(CFLAGS) $(strict) $(exact) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc
 libs := $(openmp) -lm
 
