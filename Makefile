@@ -71,7 +71,8 @@ endif
 # no-fma: gcc 12 fuses in vectors of add and subtract whatever the contraction says, where -march=native allows it.
 exact := -ffp-contract=off $(call accepts,-mno-fma) $(call accepts,-fexcess-precision=fast) $(call accepts,-msse2 -mfpmath=sse) \
     $(call accepts,-fno-math-errno -fno-trapping-math)
-strict := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion
+# enum-float-conversion: limits are enums here, and clang since 16 warns where one meets a double, which is exact.
+strict := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion $(call accepts,-Wno-enum-float-conversion)
 base := $(CPPFLAGS) $(CFLAGS) $(strict) $(exact) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc
 libs := $(openmp) -lm
 
@@ -263,7 +264,7 @@ san-threads: ## unit, golden and fuzz tests under TSan, all on several threads (
 abi: library ## header by every standard, symbols, offsets here and on other machines, types against the stored ones (REWRITE=1: store)
 	@BUILD=$(BUILD) CC=$(call quote,$(CC)) sh tests/tools/abi.sh $(if $(filter-out 0,$(REWRITE)),rewrite,full)
 
-matrix: ## golden values by every compiler, flag and machine that is here (MATRIX=row,row: only these; deps: DEPS=1)
+matrix: ## golden values by every compiler, flag and machine that is here (half an hour; MATRIX=row,row: only these; DEPS=1: install them)
 	@$(environment) MATRIX=$(call quote,$(MATRIX)) DEPS=$(DEPS) sh tests/tools/matrix.sh
 
 bare: ## the core on a Cortex-M3 without operating system, under an emulator
@@ -275,7 +276,7 @@ coverage: ## branches of src/ that the quick tests take (gcovr)
 mcdc: ## conditions that decide in the predicates and tables, each by itself (clang-19)
 	@BUILD=$(BUILD) UNITY_DIR=$(UNITY_DIR) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/mcdc.sh
 
-analyze: ## cppcheck, clang-tidy, gcc's analyzer, stack of every function
+analyze: ## cppcheck, clang-tidy, clang's and gcc's analyzers, stack of every function (TOOLS="tidy gcc")
 	@BUILD=$(BUILD) sh tests/tools/analyze.sh
 
 fuzz: ## contracts under a coverage-guided fuzzer (clang; SECONDS_EACH=60 TARGETS="solids fields" KEEP=1)

@@ -98,6 +98,7 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
         job->take_lists = wind_block;
         status = bvxi_solid_fill(ctx, job, solid, 0, BVX_FILL_NONZERO, from, to, report);
         job->take_lists = NULL;
+        job->user = NULL;
         bvxi_sheet_mesh_close(ctx, holes, &view);
     }
     bvxi_sheet_close(ctx, &sheet);

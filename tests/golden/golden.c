@@ -1,6 +1,7 @@
 /* golden.c - recompute the golden values and compare them with fixtures/golden/.
  *
- *   golden [--threads N] [--portable]   compare; one line a difference; the last line is "N passed, N failed"
+ *   golden [--threads N]                 compare; one line a difference; the last line is "N passed, N failed"
+ *   golden --portable, --avx2           by this code alone; a processor that has none of it ends with status 77
  *   golden --print                      and print every line as computed (make matrix compares these between builds)
  *   golden --flush                      with denormal numbers flushed to zero, as games set it (x86 with SSE, aarch64)
  *   golden --write                      store what is computed now (make golden, which also shows the difference)
@@ -407,6 +408,8 @@ int main(int argc, char **argv)
             write = 1;
         } else if (strcmp(argv[i], "--portable") == 0) {
             options.cpu = BVX_CPU_PORTABLE;
+        } else if (strcmp(argv[i], "--avx2") == 0) {
+            options.cpu = BVX_CPU_AVX2;
         } else if (strcmp(argv[i], "--print") == 0) {
             g.print = 1;
         } else if (strcmp(argv[i], "--flush") == 0) {
@@ -417,13 +420,17 @@ int main(int argc, char **argv)
         } else if (strcmp(argv[i], "--threads") == 0 && i + 1 < argc) {
             options.threads = (int32_t)strtol(argv[++i], NULL, 10);
         } else {
-            fprintf(stderr, "usage: golden [--write | --print] [--threads N] [--portable] [--flush]\n");
+            fprintf(stderr, "usage: golden [--write | --print] [--threads N] [--portable | --avx2] [--flush]\n");
             return 2;
         }
     }
     if (bvx_context_create(&options, &g.context) != BVX_OK) {
         fprintf(stderr, "golden: no context\n");
         return 2;
+    }
+    if (options.cpu != BVX_CPU_BEST && bvx_context_cpu(g.context) != options.cpu) {
+        puts("this processor or build has no such code");
+        return 77;
     }
     result = run_groups(&g, write);
     bvx_context_destroy(g.context);

@@ -117,6 +117,12 @@ add_script() { # NAME, LOG, EXIT STATUS
 limit=
 if command -v timeout >/dev/null 2>&1; then limit="timeout ${TEST_SECONDS:-300}"; fi
 
+# Sets $spent: processor seconds of all that the script has run so far. Other work on the machine does not change them much.
+count_spent() {
+    times >"$logs/times"
+    spent=$(awk 'NR == 2 { split($0, t, /[ms ]+/); print t[1] * 60 + t[2] + t[3] * 60 + t[4] }' "$logs/times")
+}
+
 finish() {
     echo "$passed passed, $failed failed$([ $skipped = 0 ] || echo ", $skipped skipped")"
     [ $failed = 0 ]

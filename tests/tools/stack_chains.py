@@ -68,7 +68,8 @@ tasks = [n for n in by_pointer if is_task(n)]
 others = [n for n in by_pointer if n not in tasks]
 other = deepest(others, nothing, deepest(others, nothing, nothing))
 task = deepest(tasks, nothing, other)
+failed = False
 for what, (used, names) in (("a task", task), ("a public function", deepest(public, task, other))):
     print(f"the deepest chain of {what} takes {used} bytes of {limit}: " + " > ".join(f"{n.split(':')[-1]} {size.get(n, 0)}" for n in names))
-    failed = used > limit
+    failed = failed or used > limit
 sys.exit(failed)
