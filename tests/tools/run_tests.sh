@@ -14,6 +14,7 @@ export BUILD CC
 unset MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES
 jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 . tests/tools/counting.sh
+. tests/tools/fuzz_targets.sh
 
 sanitizers='-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer'
 export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1:allocator_may_return_null=1
@@ -101,10 +102,16 @@ int main(void) { return 0; }' | compiles "$CC" -lcmocka; then
     fi
 }
 
+# Random inputs, and the corpus that earlier runs under a fuzzer have left.
 run_fuzz() {
     build san fuzz-programs
     for source in tests/fuzz/fuzz_*.c; do
-        if [ -f "$source" ]; then check "san/fuzz/$(basename "$source" .c)" $limit "$folder/${source%.c}"; fi
+        if [ ! -f "$source" ]; then continue; fi
+        check "san/fuzz/$(basename "$source" .c)" $limit "$folder/${source%.c}"
+        for target in $(fuzz_targets "$source"); do
+            if [ "fuzz_$target" = "$(basename "$source" .c)" ]; then format=; else format=$target; fi
+            check "san/corpus/$target" $limit "$folder/${source%.c}" $format "fixtures/fuzz/$target"/*
+        done
     done
 }
 
