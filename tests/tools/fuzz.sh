@@ -3,7 +3,7 @@
 #     SECONDS_EACH=60      seconds a target [60]
 #     TARGETS="stl solids" these alone: formats of readers, and names of the other sources without fuzz_ and .c
 #     JOBS=2               so many at once [1]
-#     KEEP=1               put what was found and matters into fixtures/fuzz: short inputs, at most 12000 bytes a target
+#     KEEP=1               put what was found and matters into fixtures/fuzz: some 100 inputs or 10000 bytes a target
 # A reader has a target for each of its formats. The corpus in fixtures/fuzz/TARGET is read, new inputs go to
 # build/fuzz/TARGET/corpus. What breaks a contract is left in build/fuzz/TARGET; the report goes to build/fuzz/report.md. Ends with
 # status 1 when something was found, 77 when something is missing.
@@ -48,17 +48,16 @@ compile() { # SOURCE, OUTPUT, FLAGS...
 
 # ---- one target ----
 
-# The inputs that cover most, made small: all targets together shall fit into a repository.
+# Of the inputs that together cover all that the corpus covers, evenly over their sizes, no more than the repository shall hold.
 keep() { # TARGET, LENGTH
     rm -rf "$out/$1/kept" && mkdir "$out/$1/kept"
     "$out/$1/target" -set_cover_merge=1 -max_len="$2" "$out/$1/kept" "$out/$1/corpus" "fixtures/fuzz/$1" >"$out/$1/merge.log" 2>&1 || return
     rm -f "fixtures/fuzz/$1"/*
-    bytes=0
-    for file in $(ls -Sr "$out/$1/kept"); do
-        bytes=$((bytes + $(wc -c <"$out/$1/kept/$file")))
-        if [ $bytes -gt 12000 ]; then break; fi
-        cp "$out/$1/kept/$file" "fixtures/fuzz/$1/$file"
-    done
+    files=$(find "$out/$1/kept" -type f | wc -l)
+    bytes=$(cat "$out/$1/kept"/* | wc -c)
+    ls -Sr "$out/$1/kept" | awk -v files="$files" -v bytes="$bytes" '
+        BEGIN { step = files / 100; if (bytes / 10000 > step) step = bytes / 10000; if (step < 1) step = 1 }
+        int(NR / step) > int((NR - 1) / step)' | while read -r file; do cp "$out/$1/kept/$file" "fixtures/fuzz/$1/$file"; done
 }
 
 run_target() { # SOURCE, TARGET
