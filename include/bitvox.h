@@ -2064,7 +2064,7 @@ BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree
 /** Read an octree from the bytes of a .bvx file that bvx_write_octree made. *tree must be NULL; bvx_octree_free takes it back.
  *  Everything is checked before anything is allocated, and no file stands for more than its bytes.
  *  Returns BVX_ERR_FORMAT (byte, and why), BVX_ERR_UNSUPPORTED (a newer version), BVX_ERR_ARGUMENT, BVX_ERR_MEMORY,
- *  BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the tree, at most 4 times size and 32 KiB. Cost: O(bytes). */
+ *  BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the tree, at most twice size and 32 KiB. Cost: O(bytes). */
 BVX_API bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree);
 /** Write a field, dense: signed distances (vectors 0) or vectors (1) in its own type of numbers; beyond the band half_width,
  *  negative inside, or 0 0 0. The sign bit is that of the field's inside everywhere.

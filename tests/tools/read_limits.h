@@ -7,7 +7,7 @@
 
 enum {
     READ_STL = 8, READ_OBJ = 64, READ_PLY = 128, READ_OFF = 64, /* at most a corner of a polygon for one or two bytes */
-    READ_POINTS = 16, READ_SECTIONS = 40, READ_OCTREE = 4, READ_VOLUME = 4, READ_GRID = 1,
+    READ_POINTS = 16, READ_SECTIONS = 40, READ_OCTREE = 2, READ_VOLUME = 4, READ_GRID = 1,
     READ_TABLES = 1 << 15, /* that are there for the smallest file too */
     READ_GZIP = 3300       /* 1032 to 1 is the most that deflate can do; and once more, twice as large, where samples are turned */
 };

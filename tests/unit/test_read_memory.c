@@ -69,12 +69,13 @@ static void put_u32(uint32_t v)
 
 /* ---- what they take ---- */
 
-enum { MESH, POINTS, SECTIONS };
+enum { MESH, POINTS, SECTIONS, VOLUME };
 
 /* The most may be no more than the header says, and where this is the worst file known, no less than a half: it shall say what is so. */
 static void check_memory(int kind, int32_t format, int32_t multiple, int worst, bvx_status expected)
 {
     bvx_mesh m = {0};
+    bvx_volume v = {0};
     bvx_sections s;
     bvx_status status;
     char words[160];
@@ -82,6 +83,7 @@ static void check_memory(int kind, int32_t format, int32_t multiple, int worst, 
     bvx_memory_reset_peak(ctx);
     status = kind == MESH     ? bvx_read_mesh(ctx, file, size, format, &m)
              : kind == POINTS ? bvx_read_points(ctx, file, size, format, &m)
+             : kind == VOLUME ? bvx_read_volume(ctx, file, size, format, NULL, &v)
                               : bvx_read_sections(ctx, file, size, format, NULL, &s);
     uint64_t const peak = bvx_memory_peak(ctx);
     snprintf(words, sizeof words, "format %d: %u bytes take %u: %.1f times, %s", (int)format, (unsigned)size, (unsigned)peak, (double)peak / (double)size,
@@ -90,6 +92,7 @@ static void check_memory(int kind, int32_t format, int32_t multiple, int worst, 
     TEST_ASSERT_TRUE_MESSAGE(peak <= read_limit(multiple, size), words);
     if (worst) TEST_ASSERT_TRUE_MESSAGE(2 * peak >= (uint64_t)multiple * size, words);
     bvx_sections_free(ctx, &s);
+    bvx_volume_free(ctx, &v);
     bvx_mesh_free(ctx, &m);
     size = 0;
 }
@@ -179,6 +182,65 @@ static void test_sections_take_at_most(void)
     check_memory(SECTIONS, BVX_FORMAT_CSV, READ_SECTIONS, 0, BVX_OK);
 }
 
+/* Text of one digit and a space, to doubles. */
+static void test_volumes_take_at_most(void)
+{
+    static const char *const sample[] = {"0 ", "1 "};
+    put_text("NRRD0004\ntype: double\ndimension: 3\nsizes: 30 20 50\nencoding: ascii\n\n");
+    put_many(30000, sample, 2);
+    check_memory(VOLUME, BVX_FORMAT_NRRD, READ_VOLUME, 1, BVX_OK);
+}
+
+/* Samples in base64 are decoded beside the grid, which stands in words of the caller's. */
+static void test_grids_take_at_most(void)
+{
+    static const char *const three[] = {"AAAA"};
+    static uint64_t words[4096];
+    bvx_grid g = {0};
+    put_text("<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt32\">"
+             "<ImageData WholeExtent=\"0 64 0 64 0 64\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"0 64 0 64 0 64\"><CellData>"
+             "<DataArray type=\"UInt8\" Name=\"a\" format=\"binary\">AAAE"); /* 262144 samples follow their count */
+    put_many(87381, three, 1);
+    put_text("AAA=</DataArray></CellData></Piece></ImageData></VTKFile>");
+    g.words = words;
+    g.word_capacity = 4096;
+    bvx_memory_reset_peak(ctx);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_grid(ctx, file, size, BVX_FORMAT_VTI, NULL, &g), bvx_last_message(ctx));
+    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= read_limit(READ_GRID, size));
+    TEST_ASSERT_TRUE(2 * bvx_memory_peak(ctx) >= READ_GRID * size);
+}
+
+static void test_octrees_take_at_most(void)
+{
+    static const float positions[12] = {0.2f, 0.3f, 0.4f, 14.7f, 0.5f, 0.6f, 1, 14.2f, 0.7f, 2, 2, 14.4f};
+    static const uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    static const int32_t dims[3] = {15, 15, 15};
+    bvx_mesh_view view = {0};
+    bvx_lattice base;
+    bvx_refine_options o;
+    bvx_octree *tree = NULL, *back = NULL;
+    bvx_buffer b = {0};
+    view.positions = positions;
+    view.indices = triangles;
+    view.vertex_count = view.triangle_count = 4;
+    view.position_type = BVX_F32;
+    view.index_type = BVX_U32;
+    bvx_refine_options_init(&o, sizeof o);
+    o.levels = 5;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &base));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_refine(ctx, &view, &base, &o, &tree), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_octree(ctx, tree, 0, BVX_FORMAT_BVX, &b));
+    bvx_octree_free(ctx, tree);
+    uint64_t const before = bvx_memory_used(ctx);
+    bvx_memory_reset_peak(ctx);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_octree(ctx, b.bytes, b.size, &back));
+    uint64_t const took = bvx_memory_peak(ctx) - before;
+    TEST_ASSERT_TRUE(b.size > 4 * READ_TABLES && took <= read_limit(READ_OCTREE, b.size) && 2 * took >= READ_OCTREE * b.size);
+    bvx_octree_free(ctx, back);
+    bvx_buffer_free(ctx, &b);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -187,5 +249,8 @@ int main(void)
     RUN_TEST(test_ply_takes_at_most);
     RUN_TEST(test_points_take_at_most);
     RUN_TEST(test_sections_take_at_most);
+    RUN_TEST(test_volumes_take_at_most);
+    RUN_TEST(test_grids_take_at_most);
+    RUN_TEST(test_octrees_take_at_most);
     return UNITY_END();
 }
