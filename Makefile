@@ -279,8 +279,8 @@ mcdc: ## conditions that decide in the predicates and tables, each by itself (cl
 analyze: ## cppcheck, clang-tidy, clang's and gcc's analyzers, stack of every function (TOOLS="tidy gcc")
 	@BUILD=$(BUILD) sh tests/tools/analyze.sh
 
-fuzz: ## contracts under a coverage-guided fuzzer (clang; SECONDS_EACH=60 TARGETS="solids fields" KEEP=1)
-	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' SECONDS_EACH=$(or $(SECONDS_EACH),60) TARGETS='$(TARGETS)' KEEP=$(KEEP) sh tests/tools/fuzz.sh
+fuzz: ## contracts under a coverage-guided fuzzer (clang; SECONDS_EACH=60 JOBS=1 TARGETS="stl solids" KEEP=1)
+	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' SECONDS_EACH=$(or $(SECONDS_EACH),60) JOBS=$(or $(JOBS),1) TARGETS='$(TARGETS)' KEEP=$(KEEP) sh tests/tools/fuzz.sh
 
 golden: $(call built,,$(golden_tests)) $(BUILD)/libbitvox.so ## recompute golden files and show what changed
 	@sh tests/tools/rewrite_golden.sh $(call built,,$(golden_tests)) $(BUILD)

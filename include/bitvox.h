@@ -1464,8 +1464,9 @@ BVX_API void bvx_read_volume_options_init(bvx_read_volume_options *options, size
  *
  * Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (dims beyond the limits), BVX_ERR_UNSUPPORTED (a format or encoding
  * that is not read, turned axes, gzip without inflate), BVX_ERR_ARGUMENT (also a detached head without data), BVX_ERR_MEMORY,
- * BVX_ERR_BUDGET, BVX_CANCELLED. Memory: none, or the samples. Gzip can stand for up to about 1000 times its bytes: give a
- * context for strangers' files a memory limit.
+ * BVX_ERR_BUDGET, BVX_CANCELLED. Memory: none, or the samples, at most 4 times size and data_size and 32 KiB. Gzip can stand for up to
+ * 1100 times its bytes, and three times that while halves or the other byte order are turned: give a context for strangers' files
+ * a memory limit.
  */
 BVX_API bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                    const bvx_read_volume_options *options, bvx_volume *volume);
@@ -2001,7 +2002,8 @@ BVX_API int32_t bvx_format_of_name(const char *name);
  *
  * Returns BVX_ERR_FORMAT (byte, line or element number, and why), BVX_ERR_RANGE (index or number out of range),
  * BVX_ERR_EMPTY (no triangle), BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
- * Memory: a small multiple of the file; counts that the size cannot hold are refused before allocation.
+ * Memory, the mesh included: at most 8 (STL), 64 (OBJ, OFF) or 128 (PLY) times size and 32 KiB, where nearly all of the file is one
+ * polygon that touches itself; counts that the size cannot hold are refused before allocation.
  */
 BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                  bvx_mesh *mesh);
@@ -2014,7 +2016,8 @@ BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64
  * BVX_FORMAT_PLY  the element vertex, as bvx_read_mesh reads it; faces are left out
  *
  * Returns BVX_ERR_FORMAT (line or byte, and why), BVX_ERR_RANGE (a point that is not finite), BVX_ERR_EMPTY (no point),
- * BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the points. Cost: O(bytes). */
+ * BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the points, and room for the head; at most 16 times size
+ * and 32 KiB. Cost: O(bytes). */
 BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *points);
 
 /** Write a mesh. The frame is added. file is zeroed.
@@ -2062,7 +2065,7 @@ BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree
 /** Read an octree from the bytes of a .bvx file that bvx_write_octree made. *tree must be NULL; bvx_octree_free takes it back.
  *  Everything is checked before anything is allocated, and no file stands for more than its bytes.
  *  Returns BVX_ERR_FORMAT (byte, and why), BVX_ERR_UNSUPPORTED (a newer version), BVX_ERR_ARGUMENT, BVX_ERR_MEMORY,
- *  BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the tree. Cost: O(bytes). */
+ *  BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the tree, at most twice size and 32 KiB. Cost: O(bytes). */
 BVX_API bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree);
 /** Write a field, dense: signed distances (vectors 0) or vectors (1) in its own type of numbers; beyond the band half_width,
  *  negative inside, or 0 0 0. The sign bit is that of the field's inside everywhere.
@@ -2091,9 +2094,9 @@ BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field,
  *
  * Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (window outside the file, dims beyond the limits),
  * BVX_ERR_UNSUPPORTED (compressed data, more than one model, axes that are turned), BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY,
- * BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the grid; BINVOX: and 64 layers of x a worker; VTI in base64: and the
- * decoded samples. Packed formats can stand for far more than their bytes: give a context from strangers' files a
- * memory limit. Cost: O(bytes + words).
+ * BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the grid, and beside it at most size and 32 KiB (VTI in base64: the decoded
+ * samples; BVX: the places of slices); BINVOX: and 64 layers of x a worker. Packed formats can stand for far more than their
+ * bytes: give a context for strangers' files a memory limit. Cost: O(bytes + words).
  */
 BVX_API bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                  const bvx_window *window, bvx_grid *grid);
@@ -2132,7 +2135,8 @@ BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, 
  *                 its order; a first point that is repeated at the end is left out.
  *
  * Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (planes that are not parallel, no contour format), BVX_ERR_EMPTY,
- * BVX_ERR_RANGE, BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET. Memory: a small multiple of the file. Cost: O(bytes).
+ * BVX_ERR_RANGE, BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET. Memory, the stack included: at most 40 times size and 32 KiB.
+ * Cost: O(bytes).
  */
 BVX_API bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                      const bvx_read_sections_options *options, bvx_sections *sections);

@@ -287,18 +287,19 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
     return BVX_OK;
 }
 
-/* Lines up to end_header: each names one element or property at most. */
-static bvx_status ply_count_lines(const bvxi_source *s, uint64_t *lines)
+/* Lines up to end_header that name an element or a property. */
+static bvx_status ply_count_names(const bvxi_source *s, uint64_t *names)
 {
     const char *word;
     ply_line line;
     if (!ply_first_line(s, &line))
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: the file does not begin with a line 'ply'");
-    for (*lines = 1; ply_next_line(s, &line); ++*lines) {
+    for (*names = 0; ply_next_line(s, &line);) {
         size_t const n = ply_word(&line, &word);
         if (ply_is(word, n, "end_header")) return BVX_OK;
+        *names += ply_is(word, n, "element") || ply_is(word, n, "property");
     }
-    return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: the file ends before end_header", *lines + 1);
+    return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: the file ends before end_header", bvxi_source_line(s, line.p));
 }
 
 bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
@@ -306,10 +307,10 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
     ply_header *const h = header;
     ply_line line;
     int done = 0;
-    BVXI_TRY(ply_count_lines(source, &h->line_count));
-    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->line_count * sizeof *h->elements, "the header's elements",
+    BVXI_TRY(ply_count_names(source, &h->name_count));
+    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->name_count * sizeof *h->elements, "the header's elements",
                         &h->elements));
-    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->line_count * sizeof *h->properties, "the header's properties",
+    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->name_count * sizeof *h->properties, "the header's properties",
                         &h->properties));
     ply_first_line(source, &line);
     while (!done && ply_next_line(source, &line)) BVXI_TRY(ply_take_line(source, &line, h, &done));
@@ -321,8 +322,8 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
 
 void bvxi_ply_header_free(bvx_context *ctx, ply_header *header)
 {
-    bvxi_free(ctx, header->properties, header->line_count * sizeof *header->properties);
-    bvxi_free(ctx, header->elements, header->line_count * sizeof *header->elements);
+    bvxi_free(ctx, header->properties, header->name_count * sizeof *header->properties);
+    bvxi_free(ctx, header->elements, header->name_count * sizeof *header->elements);
     header->properties = NULL;
     header->elements = NULL;
 }

@@ -34,7 +34,7 @@ typedef struct ply_header {
     int32_t encoding;
     int32_t points;                 /* set before reading: vertices alone are wanted, faces may be missing */
     uint32_t element_count, property_count;
-    uint64_t line_count;            /* what the arrays have room for */
+    uint64_t name_count;            /* of elements and properties together: what each array has room for */
     ply_element *elements;          /* scratch */
     ply_property *properties;       /* scratch */
     ply_element *vertex, *face, *strips; /* NULL when there is none */

@@ -25,6 +25,8 @@ typedef struct table_reader {
     uint64_t *section_hash;         /* of each section's word */
     uint64_t *loop_hash;            /* of each loop's words */
     uint64_t section_room, loop_room;
+    uint32_t *slot;                 /* open table: number of a section plus 1, at its hash or behind; 0: free */
+    uint64_t slot_count;            /* a power of two, twice the sections or more */
 } table_reader;
 
 static const char *table_line_end(const bvxi_contour_file *f, const char *p)
@@ -155,20 +157,43 @@ static uint64_t word_hash(table_word w, uint64_t seed)
     return bvx_hash(w.at, w.size, seed);
 }
 
-/* The section of the line's word; sections are few, and the last one is the likeliest. */
+/* Where a section with this hash stands in the table, or the free place for it. */
+static uint64_t table_slot(const table_reader *r, uint64_t hash)
+{
+    uint64_t at = hash & (r->slot_count - 1);
+    while (r->slot[at] != 0 && r->section_hash[r->slot[at] - 1] != hash) at = (at + 1) & (r->slot_count - 1);
+    return at;
+}
+
+static bvx_status make_table_slots(table_reader *r, uint64_t sections)
+{
+    uint64_t const count = r->slot_count == 0 ? 64 : 2 * r->slot_count;
+    uint32_t *slot;
+    if (2 * sections < r->slot_count) return BVX_OK;
+    BVXI_TRY(bvxi_alloc_zero(r->f->ctx, BVXI_SCRATCH, count * 4, "the names of sections", &slot));
+    bvxi_free(r->f->ctx, r->slot, r->slot_count * 4);
+    r->slot = slot;
+    r->slot_count = count;
+    for (uint64_t i = 0; i < sections; i++) slot[table_slot(r, r->section_hash[i])] = (uint32_t)i + 1;
+    return BVX_OK;
+}
+
+/* The section of the line's word. */
 static bvx_status find_table_section(table_reader *r, double position, uint32_t *section)
 {
     bvx_sections *const s = &r->f->sections;
     uint64_t const hash = word_hash(r->word[TABLE_SECTION], 0);
-    for (uint64_t i = s->section_count; i-- > 0;) {
-        if (r->section_hash[i] != hash) continue;
-        if (s->positions[i] != position)
+    BVXI_TRY(make_table_slots(r, s->section_count));
+    uint64_t const at = table_slot(r, hash);
+    if (r->slot[at] != 0) {
+        if (s->positions[r->slot[at] - 1] != position)
             return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the section has another position on an earlier line");
-        *section = (uint32_t)i;
+        *section = r->slot[at] - 1;
         return BVX_OK;
     }
     BVXI_TRY(remember(r, &r->section_hash, s->section_count, &r->section_room, hash));
     *section = (uint32_t)s->section_count;
+    r->slot[at] = *section + 1;
     return bvxi_contour_add_section(r->f, position);
 }
 
@@ -252,5 +277,6 @@ bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
     status = read_table_lines(&r);
     bvxi_free(f->ctx, r.loop_hash, r.loop_room * 8);
     bvxi_free(f->ctx, r.section_hash, r.section_room * 8);
+    bvxi_free(f->ctx, r.slot, r.slot_count * 4);
     return status;
 }

@@ -227,8 +227,10 @@ static uint64_t gather_pieces(slice_work *w, uint64_t plane)
 
 static void add_slice_point(bvx_sections *s, bvx_section_loop *l, const double p[3])
 {
-    const double *const last = s->points + 3 * (s->point_count - 1);
-    if (l->point_count > 0 && last[0] == p[0] && last[1] == p[1] && last[2] == p[2]) return;
+    if (l->point_count > 0) { /* else the stack may have no point at all */
+        const double *const last = s->points + 3 * (s->point_count - 1);
+        if (last[0] == p[0] && last[1] == p[1] && last[2] == p[2]) return;
+    }
     memcpy(s->points + 3 * s->point_count++, p, 24);
     l->point_count++;
 }

@@ -56,10 +56,10 @@ static int uncross_pair(const bvxi_stack *s, const uint32_t *a, const uint32_t *
 
 int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from)
 {
-    const uint32_t *const t = s->mesh.triangle + 3 * from;
     uint64_t const n = s->mesh.triangle_count - from;
     double box[UNCROSS_MOST][6];
-    if (n > UNCROSS_MOST) return 0; /* very many contour points in one cell: it would take too long */
+    if (n == 0 || n > UNCROSS_MOST) return 0; /* very many contour points in one cell: it would take too long */
+    const uint32_t *const t = s->mesh.triangle + 3 * from;
     for (uint64_t i = 0; i < n; i++) {
         uncross_box(s, t + 3 * i, box[i]);
         for (uint64_t k = 0; k < i; k++) {

@@ -1,35 +1,12 @@
-/* fuzz_trees.c - the octree reader on damaged files: no crash, no leak, an error in words, or a tree that is written to the same
- * bytes and can be asked anything.
- *
- * A libFuzzer target: the input is the file. With BVX_FUZZ_MAIN it is a program of its own that damages trees of a few
- * tetrahedra by a fixed generator: fuzz_trees [inputs [seed]]. */
-#include "bitvox.h"
+/* fuzz_trees.c - the octree reader on damaged files: no crash, no leak, no more memory than the file's size allows; an error in words, or a
+ * tree that is written to the same bytes and can be asked anything. */
+#include "fuzz_files.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+static const fuzz_format formats[] = {
+    {"octree", BVX_FORMAT_BVX},
+};
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-enum { FUZZ_MEMORY = 16 << 20 };
-
-static void fuzz_require(int good, const char *what)
-{
-    if (good) return;
-    fprintf(stderr, "fuzz_trees: %s\n", what);
-    abort();
-}
-
-static bvx_context *fuzz_context(void)
-{
-    bvx_context_options o;
-    bvx_context *ctx = NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = 1;
-    o.memory_limit = FUZZ_MEMORY;
-    fuzz_require(bvx_context_create(&o, &ctx) == BVX_OK, "no context");
-    return ctx;
-}
+enum { FUZZ_HEAD = 128, FUZZ_LEVEL = 24 };
 
 /* ---- what a tree that was read must stand ---- */
 
@@ -81,55 +58,25 @@ static void fuzz_check_queries(bvx_context *ctx, const bvx_octree *tree)
     bvx_mesh_free(ctx, &mesh);
 }
 
-static bvx_status fuzz_read(bvx_context *ctx, const uint8_t *data, size_t size)
+static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int format)
 {
     bvx_octree *tree = NULL;
-    bvx_status const status = bvx_read_octree(ctx, data, size, &tree);
-    if (status == BVX_OK) {
-        fuzz_require(tree != NULL, "no tree");
-        fuzz_check_writing(ctx, tree, data, size);
+    int const good = fuzz_was_read(ctx, bvx_read_octree(ctx, file, size, &tree), READ_OCTREE, size, 0);
+    (void)format;
+    fuzz_require(good == (tree != NULL), "a tree behind an error, or none");
+    if (good) {
+        fuzz_check_writing(ctx, tree, file, size);
         fuzz_check_leaves(ctx, tree);
         fuzz_check_queries(ctx, tree);
-    } else {
-        const char *const message = bvx_last_message(ctx);
-        fuzz_require(tree == NULL, "a tree behind an error");
-        fuzz_require(strlen(message) > 10 && strchr(message, '\n') == NULL, "an error without a line of words");
-        fuzz_require(status == BVX_ERR_FORMAT || status == BVX_ERR_UNSUPPORTED || status == BVX_ERR_BUDGET, "an error of another kind");
     }
     bvx_octree_free(ctx, tree);
-    fuzz_require(bvx_memory_used(ctx) == 0, "memory that is not given back");
-    return status;
+    return good;
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
-{
-    bvx_context *const ctx = fuzz_context();
-    if (size > 0) fuzz_read(ctx, data, size);
-    bvx_context_destroy(ctx);
-    return 0;
-}
-
-#if defined(BVX_FUZZ_MAIN)
-
-enum { FUZZ_SIZE = 16384, FUZZ_SEEDS = 5, FUZZ_HEAD = 128, FUZZ_LEVEL = 24 };
-
-typedef struct fuzz_seed {
-    size_t size;
-    uint8_t bytes[FUZZ_SIZE];
-} fuzz_seed;
-
-static uint64_t fuzz_state;
-
-static size_t fuzz_below(size_t n)
-{
-    fuzz_state ^= fuzz_state << 13;
-    fuzz_state ^= fuzz_state >> 7;
-    fuzz_state ^= fuzz_state << 17;
-    return (size_t)((fuzz_state >> 16) % n); /* the same on machines of 32 bits */
-}
+/* ---- files to begin with ---- */
 
 /* Whole, with a window, with a tolerance, the base alone, one voxel of many levels. */
-static void fuzz_seed_of(bvx_context *ctx, int kind, fuzz_seed *s)
+static void fuzz_seed_of(bvx_context *ctx, int kind, fuzz_file *s)
 {
     static const float positions[24] = {0.2f, 0.3f, 0.4f, 4.7f, 0.5f, 0.6f, 1, 4.2f, 0.7f, 2, 2, 4.4f, 3, 3, 3, 4.5f, 3, 3, 3, 4.1f, 3, 3, 3, 4.6f};
     static const uint32_t triangles[24] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3, 4, 6, 5, 4, 5, 7, 5, 6, 7, 6, 4, 7};
@@ -156,42 +103,9 @@ static void fuzz_seed_of(bvx_context *ctx, int kind, fuzz_seed *s)
     fuzz_require(bvx_lattice_make(ctx, origin, spacing, kind == 4 ? one : dims, &base) == BVX_OK, bvx_last_message(ctx));
     fuzz_require(bvx_refine(ctx, &view, &base, &o, &tree) == BVX_OK, bvx_last_message(ctx));
     fuzz_require(bvx_write_octree(ctx, tree, 0, BVX_FORMAT_BVX, &b) == BVX_OK, bvx_last_message(ctx));
-    fuzz_require(b.size <= FUZZ_SIZE, "a seed that is too long");
-    memcpy(s->bytes, b.bytes, (size_t)b.size);
-    s->size = (size_t)b.size;
+    fuzz_put(s, b.bytes, (size_t)b.size);
     bvx_buffer_free(ctx, &b);
     bvx_octree_free(ctx, tree);
-}
-
-/* One damage: a bit, a byte, a number, a piece copied, cut out, or a tail cut off. */
-static size_t fuzz_damage(uint8_t *file, size_t size)
-{
-    static const uint32_t numbers[] = {0, 1, 2, 3, 0xffffffffu, 0x7fffffffu, 0x80000000u, 0xffff, 256, 1 << 25, 1 << 28};
-    size_t const at = fuzz_below(2) == 0 ? fuzz_below(size) : fuzz_below(size < 256 ? size : 256);
-    switch (fuzz_below(6)) {
-    case 0:
-    case 1: file[at] ^= (uint8_t)(1u << fuzz_below(8)); break;
-    case 2: file[at] = (uint8_t)fuzz_below(256); break;
-    case 3: {
-        uint32_t const v = numbers[fuzz_below(sizeof numbers / sizeof numbers[0])];
-        size_t const whole = at & ~(size_t)3;
-        for (size_t i = 0; i < 4 && whole + i < size; i++) file[whole + i] = (uint8_t)(v >> 8 * i & 0xff);
-        break;
-    }
-    case 4: { /* words twice, or cut out */
-        size_t const n = 8 * (1 + fuzz_below(4));
-        if (n > size - at) break;
-        if (fuzz_below(2) == 0) {
-            memmove(file + at, file + at + n, size - at - n);
-            return size - n;
-        }
-        if (size + n > FUZZ_SIZE) break;
-        memmove(file + at + n, file + at, size - at);
-        return size + n;
-    }
-    default: return fuzz_below(4) == 0 ? at + 1 : size;
-    }
-    return size;
 }
 
 static void fuzz_store(uint8_t *p, uint64_t v)
@@ -200,10 +114,11 @@ static void fuzz_store(uint8_t *p, uint64_t v)
 }
 
 /* Right checksums again, as far as the levels can be followed: else nothing behind them would ever be tried. */
-static void fuzz_seal(uint8_t *file, size_t size)
+static void fuzz_seal(uint8_t *file, size_t size, int format)
 {
     uint64_t frame;
     size_t at = FUZZ_HEAD;
+    (void)format;
     if (size < at) return;
     fuzz_store(file + 120, bvx_hash(file, 120, 0));
     frame = bvx_hash(file + 16, 104, 0);
@@ -218,35 +133,18 @@ static void fuzz_seal(uint8_t *file, size_t size)
     }
 }
 
-int main(int argc, char **argv)
+static const char *const fuzz_words[] = {"\1", "\2", "\3", "\377\377\377\377\377\377\377\377", "\377\377\377\17", "\200"};
+
+static int fuzz_make_seeds(bvx_context *ctx, fuzz_file *seeds)
 {
-    static fuzz_seed seeds[FUZZ_SEEDS];
-    static uint8_t work[FUZZ_SIZE];
-    unsigned long const inputs = argc > 1 ? strtoul(argv[1], NULL, 10) : 20000;
-    unsigned long read = 0;
-    bvx_context *const ctx = fuzz_context();
-    fuzz_state = argc > 2 ? strtoul(argv[2], NULL, 10) : 1;
-    fuzz_state = fuzz_state * 2 + 1; /* never 0 */
-    for (int i = 0; i < FUZZ_SEEDS; i++) {
-        fuzz_seed_of(ctx, i, &seeds[i]);
-        fuzz_require(fuzz_read(ctx, seeds[i].bytes, seeds[i].size) == BVX_OK, bvx_last_message(ctx));
-    }
-    for (unsigned long i = 0; i < inputs; i++) {
-        const fuzz_seed *const seed = &seeds[i % FUZZ_SEEDS];
-        size_t size = seed->size;
-        memcpy(work, seed->bytes, size);
-        for (size_t n = 1 + fuzz_below(3); n > 0 && size > 0; n--) size = fuzz_damage(work, size);
-        if (fuzz_below(8) != 0) fuzz_seal(work, size);
-        if (size == 0) continue;
-        uint8_t *const exact = malloc(size); /* so that a sanitizer sees a read beyond the end */
-        fuzz_require(exact != NULL, "no memory");
-        memcpy(exact, work, size);
-        read += fuzz_read(ctx, exact, size) == BVX_OK;
-        free(exact);
-    }
-    bvx_context_destroy(ctx);
-    printf("fuzz_trees: %lu inputs, %lu of them read, 0 failures\n", inputs, read);
-    return 0;
+    int n = 0;
+    for (int kind = 0; kind < 5; kind++) fuzz_seed_of(ctx, kind, fuzz_begin_file(seeds, &n, "octree"));
+    return n;
 }
 
-#endif
+static const fuzz_target *fuzz_reader(void)
+{
+    static const fuzz_target target = {formats, sizeof formats / sizeof formats[0], fuzz_words, sizeof fuzz_words / sizeof fuzz_words[0],
+                                       fuzz_read, fuzz_seal, fuzz_make_seeds};
+    return &target;
+}

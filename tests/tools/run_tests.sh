@@ -17,6 +17,7 @@ export BUILD CC
 unset MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES
 jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 . tests/tools/counting.sh
+. tests/tools/fuzz_targets.sh
 
 sanitizers='-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer'
 export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1:allocator_may_return_null=1
@@ -115,13 +116,20 @@ int main(void) { return 0; }' | compiles "$CC" -lcmocka; then
     fi
 }
 
-run_fuzz() { # ROW, RUNNER, PROGRAM ARGUMENTS...
+# Random inputs, and the corpus that earlier runs under a fuzzer have left.
+run_fuzz() { # ROW, RUNNER, PROGRAM ARGUMENTS OF THE RANDOM INPUTS...
     fuzz_row=$1 runner=$2
     shift 2
     build "$fuzz_row" fuzz-programs
     for source in tests/fuzz/fuzz_*.c; do
+        if [ ! -f "$source" ]; then continue; fi
         # shellcheck disable=SC2086
-        if [ -f "$source" ]; then check "$fuzz_row/fuzz/$(basename "$source" .c)" $limit $runner "$folder/${source%.c}" "$@"; fi
+        check "$fuzz_row/fuzz/$(basename "$source" .c)" $limit $runner "$folder/${source%.c}" "$@"
+        for target in $(fuzz_targets "$source"); do
+            if [ "fuzz_$target" = "$(basename "$source" .c)" ]; then format=; else format=$target; fi
+            # shellcheck disable=SC2086
+            check "$fuzz_row/corpus/$target" $limit $runner "$folder/${source%.c}" $format "fixtures/fuzz/$target"/*
+        done
     done
 }
 

@@ -5,6 +5,7 @@
 
 #include "bitvox.h"
 #include "mesh/polygon.h"
+#include "tools/read_limits.h"
 
 #include "unity.h"
 
@@ -64,10 +65,11 @@ static inline void check_valid_mesh(const bvx_mesh *m)
                                  check_valid_attributes(m), bvx_memory_used(ctx));
 }
 
-/* Whatever a file says, reading it takes a multiple of its size, and tables to begin with. At worst a polygon has corners of one
- * byte each: 12 bytes of triangles come of each, and to cut it takes some 100. The tests of each reader hold the usual
- * files to less. */
-enum { MOST_MULTIPLE = 120, MOST_TABLES = 1 << 16 };
+/* What reading may take, whatever the file says. The tests of each reader hold the usual files to less. */
+static inline uint64_t most_memory(int32_t format, uint64_t size)
+{
+    return read_limit(format == BVX_FORMAT_STL ? READ_STL : format == BVX_FORMAT_OBJ ? READ_OBJ : format == BVX_FORMAT_PLY ? READ_PLY : READ_OFF, size);
+}
 
 /* Read from a block that ends where the file ends, so that a sanitizer sees a read beyond it. */
 static inline bvx_status read_file(const void *bytes, size_t size, int32_t format, bvx_mesh *mesh)
@@ -79,7 +81,7 @@ static inline bvx_status read_file(const void *bytes, size_t size, int32_t forma
     bvx_memory_reset_peak(ctx);
     bvx_status const status = bvx_read_mesh(ctx, copy, size, format, mesh);
     free(copy);
-    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= MOST_MULTIPLE * (uint64_t)size + MOST_TABLES);
+    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= most_memory(format, size));
     if (status == BVX_OK) {
         check_valid_mesh(mesh);
     } else {

@@ -98,6 +98,24 @@ static void test_csv_by_hand(void)
 
 #define HEAD "section,position,loop,x,y\n"
 
+/* Two rounds over very many sections: each loop finds its own, in a time that does not grow with their square. */
+static void test_csv_of_many_sections(void)
+{
+    uint32_t const sections = getenv("BVX_QUICK") != NULL ? 2000 : 100000;
+    char *const text = malloc((size_t)sections * 60 + 100);
+    int n = sprintf(text, "loop,section,x,y,position\n");
+    TEST_ASSERT_NOT_NULL(text);
+    for (uint32_t i = 0; i < 2 * sections; i++)
+        n += sprintf(text + n, "%u,%u,1,2,%u\n", (unsigned)(i / sections), (unsigned)(i % sections * 7), (unsigned)(i % sections));
+    bvx_status const status = bvx_read_sections(ctx, text, (uint64_t)n, BVX_FORMAT_CSV, NULL, &s);
+    free(text);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_UINT64(sections, s.section_count);
+    TEST_ASSERT_EQUAL_UINT64(2 * sections, s.loop_count);
+    for (uint32_t i = 0; i < 2 * sections; i++) TEST_ASSERT_EQUAL_UINT32(i % sections, s.loops[i].section);
+    for (uint32_t i = 0; i < sections; i++) TEST_ASSERT_TRUE(s.positions[i] == i);
+}
+
 static void test_csv_refusals(void)
 {
     bvx_read_sections_options o;
@@ -299,6 +317,7 @@ int main(void)
     RUN_TEST(test_csl_by_hand);
     RUN_TEST(test_csl_refusals);
     RUN_TEST(test_csv_by_hand);
+    RUN_TEST(test_csv_of_many_sections);
     RUN_TEST(test_csv_refusals);
     RUN_TEST(test_round_trips);
     RUN_TEST(test_every_cut);
