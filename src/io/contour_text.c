@@ -1,6 +1,8 @@
 /* contour_text.c - contour stacks as readers make them, and which reader a format has. */
 #include "io/contour_text.h"
 
+#include "section/section.h"
+
 static uint64_t contour_line(const bvxi_contour_file *f, const char *at)
 {
     uint64_t line = 1;
@@ -89,7 +91,7 @@ bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t s
     bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
-    if (sections == NULL) return bvxi_fail_null(context, function, "sections");
+    BVXI_TRY(bvxi_sections_check_result(context, function, sections));
     bvx_read_sections_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
     if (o.reserved != 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
