@@ -1,9 +1,11 @@
 /* test_calls.c - what every public function owes to a caller who calls it wrongly: a status that is not BVX_OK, a message that
  * names the function, results left as they were, nothing kept. Each call is made rightly first, so that it is the damage which
- * is refused; then with each damage that one of its arguments can have. */
+ * is refused; then with each damage that one of its arguments can have. Then: meshes into arrays of the caller's, and sections
+ * that contradict themselves. */
 #include "bitvox.h"
 #include "unity.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -465,6 +467,7 @@ static void free_world(bvx_context *ctx)
     bvx_sections_free(ctx, &sections);
     bvx_field_free(ctx, &field);
     bvx_octree_free(ctx, tree);
+    tree = NULL;
     bvx_grid_free(ctx, &solid);
 }
 
@@ -524,7 +527,6 @@ static const char *const damage_name[DAMAGES] = {
 /* 0 when the call has nothing that this damage could be done to. */
 static int do_damage(const call *c, int damage, world *w)
 {
-    float const nan = (float)(bad_lattice.spacing[0] * 0.0) / (float)(bad_lattice.spacing[0] * 0.0);
     int const takes = c->takes;
     switch (damage) {
     case NO_CONTEXT: w->ctx = NULL; return 1;
@@ -563,7 +565,7 @@ static int do_damage(const call *c, int damage, world *w)
         case MESH_ARRAY: bad_mesh.positions = NULL; break;
         case MESH_RESERVED: bad_mesh.reserved = 1; break;
         case MESH_NUMBER: bad_cube[7][1] = 8; break;
-        default: bad_corner[5][1] = nan; break;
+        default: bad_corner[5][1] = NAN; break;
         }
         return (takes & MESH) != 0;
     }
@@ -572,7 +574,7 @@ static int do_damage(const call *c, int damage, world *w)
         memcpy(bad_corner, corner, sizeof corner);
         bad_mesh.positions = bad_corner;
         if (damage == POINTS_TYPE) bad_mesh.position_type = 9;
-        else bad_corner[5][1] = nan;
+        else bad_corner[5][1] = NAN;
         w->points = &bad_mesh;
         return (takes & POINTS) != 0;
     }
@@ -580,7 +582,7 @@ static int do_damage(const call *c, int damage, world *w)
         bad_lattice = lattice;
         if (damage == LATTICE_DIMS) bad_lattice.dims[1] = 0;
         else if (damage == LATTICE_SPACING) bad_lattice.spacing[2] = -1;
-        else bad_lattice.origin[0] = nan;
+        else bad_lattice.origin[0] = (double)NAN;
         w->lattice = &bad_lattice;
         return (takes & LATTICE) != 0;
     }
@@ -653,7 +655,6 @@ static void test_every_call_refuses_every_damage(void)
     bvx_context *ctx = NULL;
     int wrong = 0, refusals = 0;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
-    bad_lattice.spacing[0] = 1;
     make_world(ctx);
     for (int i = 0; i < CALLS; i++) {
         world w = right_world(ctx);
@@ -690,9 +691,107 @@ static void test_every_call_refuses_every_damage(void)
     TEST_ASSERT_GREATER_THAN_INT(600, refusals);
 }
 
+/* Arrays of the caller's that lack something, are too small, or hold what the result would contradict. */
+static void test_a_mesh_in_the_callers_arrays(void)
+{
+    static double room[3 * 2000];
+    static uint32_t corners[3 * 4000], spare_corners[3];
+    static uint64_t keys[4000];
+    static uint8_t colours[4];
+    static float uvs[2];
+    enum { RIGHT, NO_TRIANGLES, NO_POSITIONS, OTHER_TYPE, FEW_VERTICES, FEW_TRIANGLES, VERTEX_KEYS, TRIANGLE_KEYS, COLOURS, UVS, UV_TRIANGLES, WAYS };
+    bvx_context *ctx = NULL;
+    uint64_t wanted = 0;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    make_world(ctx);
+    for (int with_keys = 0; with_keys < 2; with_keys++)
+        for (int way = 0; way < WAYS; way++) {
+            bvx_extract_options o;
+            bvx_mesh given, before;
+            bvx_status status;
+            bvx_extract_options_init(&o, sizeof o);
+            o.position_type = BVX_F64;
+            o.keys = with_keys;
+            memset(&given, 0, sizeof given);
+            given.positions = room;
+            given.triangles = corners;
+            given.vertex_capacity = 2000;
+            given.triangle_capacity = 4000;
+            given.position_type = BVX_F64;
+            if (with_keys != (way == VERTEX_KEYS)) given.vertex_keys = keys;
+            if (with_keys != (way == TRIANGLE_KEYS)) given.triangle_keys = keys;
+            if (way == NO_TRIANGLES) given.triangles = NULL;
+            if (way == NO_POSITIONS) given.positions = NULL;
+            if (way == OTHER_TYPE) given.position_type = BVX_F32;
+            if (way == FEW_VERTICES) given.vertex_capacity = 7;
+            if (way == FEW_TRIANGLES) given.triangle_capacity = 11;
+            if (way == COLOURS) given.colours = colours;
+            if (way == UVS) given.uvs = uvs;
+            if (way == UV_TRIANGLES) given.uv_triangles = spare_corners;
+            before = given;
+            status = bvx_extract_surface(ctx, &solid, &o, &given);
+            if (way == RIGHT) {
+                uint64_t hash;
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(ctx));
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &given, &hash));
+                if (wanted == 0) wanted = hash;
+                TEST_ASSERT_EQUAL_HEX64(wanted, hash);
+            } else {
+                int32_t const want = way == FEW_VERTICES || way == FEW_TRIANGLES ? BVX_ERR_CAPACITY : BVX_ERR_ARGUMENT;
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(want, status, bvx_last_message(ctx));
+                TEST_ASSERT_EQUAL_MEMORY(&before, &given, sizeof given);
+                TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_extract_surface"));
+            }
+        }
+    free_world(ctx);
+    bvx_context_destroy(ctx);
+}
+
+/* Arrays and counts of sections that contradict each other. */
+static void test_sections_that_contradict_themselves(void)
+{
+    bvx_context *ctx = NULL;
+    bvx_section_loop *loops;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    make_world(ctx);
+    loops = sections.loops;
+    for (int way = 0; way < 14; way++) {
+        bvx_section_loop const loop = loops[1];
+        double const position = sections.positions[1], x = sections.points[0];
+        bvx_buffer file = {0};
+        bad_sections = sections;
+        switch (way) {
+        case 0: bad_sections.points = NULL; break;
+        case 1: bad_sections.loops = NULL; break;
+        case 2: bad_sections.positions = NULL; break;
+        case 3: bad_sections.point_count = (uint64_t)1 << 31; break;
+        case 4: bad_sections.loop_count = (uint64_t)1 << 31; break;
+        case 5: bad_sections.section_count = (uint64_t)1 << 31; break;
+        case 6: bad_sections.reserved2[3] = 1; break;
+        case 7: loops[1].reserved = 1; break;
+        case 8: loops[1].label = BVX_LABEL_ONLY; break;
+        case 9: loops[1].section = (uint32_t)sections.section_count; break;
+        case 10: loops[1].first_point = sections.point_count + 1; break;
+        case 11: loops[1].point_count = (uint32_t)sections.point_count; break;
+        case 12: sections.positions[1] = (double)INFINITY; break;
+        default: sections.points[0] = (double)NAN; break;
+        }
+        TEST_ASSERT_TRUE(bvx_write_sections(ctx, &bad_sections, BVX_FORMAT_CSL, &file) != BVX_OK);
+        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_write_sections"));
+        TEST_ASSERT_NULL(file.bytes);
+        loops[1] = loop;
+        sections.positions[1] = position;
+        sections.points[0] = x;
+    }
+    free_world(ctx);
+    bvx_context_destroy(ctx);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_every_call_refuses_every_damage);
+    RUN_TEST(test_a_mesh_in_the_callers_arrays);
+    RUN_TEST(test_sections_that_contradict_themselves);
     return UNITY_END();
 }
