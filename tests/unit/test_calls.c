@@ -1,7 +1,7 @@
 /* test_calls.c - what every public function owes to a caller who calls it wrongly: a status that is not BVX_OK, a message that
  * names the function, results left as they were, nothing kept. Each call is made rightly first, so that it is the damage which
- * is refused; then with each damage that one of its arguments can have. Then: meshes into arrays of the caller's, and sections
- * that contradict themselves. */
+ * is refused; then with each damage that one of its arguments can have. Then: choices out of range, meshes into arrays of
+ * the caller's, and sections that contradict themselves. */
 #include "bitvox.h"
 #include "unity.h"
 
@@ -47,6 +47,8 @@ typedef struct world {
     const bvx_image *image;
     const bvx_buffer *file; /* bytes and size of the format that a reader wants */
     int wrong_size, wrong_reserved; /* of the options */
+    size_t bad_at, bad_size;        /* a field of the options to spoil */
+    const void *bad;
     result *out;
     void *second; /* of two outputs, or the place of a count */
 } world;
@@ -55,7 +57,8 @@ typedef struct world {
 #define TAKE_OPTIONS(kind, name)                  \
     bvx_##kind##_options name;                    \
     bvx_##kind##_options_init(&name, sizeof name); \
-    if (w->wrong_size) name.struct_size = 1
+    if (w->wrong_size) name.struct_size = 1;       \
+    if (w->bad_size != 0) memcpy((char *)&name + w->bad_at, w->bad, w->bad_size)
 #define TAKE_RESERVED(place) \
     if (w->wrong_reserved) (place) = 1
 
@@ -691,6 +694,79 @@ static void test_every_call_refuses_every_damage(void)
     TEST_ASSERT_GREATER_THAN_INT(600, refusals);
 }
 
+typedef struct choice {
+    const char *name; /* of the call, and of the field in the message below */
+    bvx_status (*make)(const world *w);
+    size_t at, size;
+    double value; /* becomes the field's type */
+} choice;
+#define BAD(call, kind, field, value) {"bvx_" #call " with " #field " = " #value, call, offsetof(bvx_##kind##_options, field), \
+    sizeof ((bvx_##kind##_options *)0)->field, value}
+#define BAD_SWITCH(call, kind, field) BAD(call, kind, field, 2), BAD(call, kind, field, -1)
+#define BAD_SURFACE(call, kind) BAD(call, kind, face_rule, 9), BAD(call, kind, face_rule, -1), BAD(call, kind, position_type, 9), \
+    BAD_SWITCH(call, kind, local_frame)
+
+/* Options outside of what the header allows; fields of 4 bytes are whole numbers, those of 8 are doubles. */
+static void test_choices_out_of_range(void)
+{
+    static const choice bad[] = {
+        BAD(lattice_fit_with, lattice, padding, -1), BAD(voxelize_solid, voxelize, fill, 99), BAD(voxelize_solid, voxelize, fill, -1),
+        BAD(voxelize_solid, voxelize, close_gaps, -1), BAD_SWITCH(voxelize_solid, voxelize, add_shell),
+        BAD_SWITCH(voxelize_solid, voxelize, check_edges), BAD(voxelize_solid, voxelize, axis, 3),
+        BAD(compare_fills, compare_fills, close_gaps, -1), BAD(compare_fills, compare_fills, close_gaps, 1 << 30),
+        BAD(voxelize_surface, surface, mode, 99), BAD(voxelize_surface, surface, mode, -1), BAD(grid_dilate, morph, neighbourhood, 5),
+        BAD(grid_erode, morph, steps, -1), BAD(grid_open, morph, beyond, 2), BAD(grid_close, morph, radius, -1),
+        BAD(grid_hollow, hollow, drain_side, 7), BAD(grid_hollow, hollow, drain_side, -1), BAD_SWITCH(grid_hollow, hollow, drain_placed),
+        BAD_SWITCH(grid_hollow, hollow, beyond), BAD(grid_hollow, hollow, drain_radius, -1), BAD(grid_distance, distance, side, 9),
+        BAD(grid_distance, distance, beyond, 9), BAD(grid_distance_squares, distance, side, -1), BAD(refine, refine, start_level, 7),
+        BAD(refine, refine, start_level, -2), BAD(refine, refine, outer_levels, 5), BAD(refine, refine, outer_levels, -1),
+        BAD(refine, refine, tolerance, -1), BAD(refine, refine, tolerance, (double)INFINITY), BAD(refine, refine, tolerance, (double)NAN),
+        BAD(voxelize_points, points, minimum, 0), BAD(voxelize_points, points, body, 9), BAD(voxelize_points, points, close_gaps, -1),
+        BAD(grid_keep, keep, connectivity, 7), BAD_SURFACE(extract_surface, extract), BAD(extract_surface, extract, open_sides, 64),
+        BAD_SWITCH(extract_surface, extract, keys), BAD(extract_octree, extract, face_rule, 9), BAD(extract_count, extract, position_type, 9),
+        BAD(extract_faces, faces, position_type, 9), BAD_SWITCH(extract_faces, faces, local_frame), BAD_SWITCH(extract_faces, faces, merged),
+        BAD_SURFACE(extract_scalar, scalar), BAD_SWITCH(extract_scalar, scalar, below), BAD(extract_scalar, scalar, open_sides, 64), BAD(extract_scalar, scalar, open_sides, -1),
+        BAD_SWITCH(extract_scalar, scalar, keys), BAD(measure_field, field, sign, 99), BAD(measure_field, field, sign, -1),
+        BAD(measure_field, field, value_type, 9), BAD_SWITCH(measure_field, field, no_vectors), BAD_SWITCH(measure_field, field, features),
+        BAD_SURFACE(extract_field_surface, field_surface), BAD(extract_field_surface, field_surface, interpolation, 99),
+        BAD(extract_field_surface, field_surface, interpolation, -1), BAD_SWITCH(extract_field_surface, field_surface, sharp),
+        BAD_SURFACE(boolean, boolean), BAD(boolean, boolean, fill, 99), BAD(boolean, boolean, interpolation, 99),
+        BAD_SWITCH(boolean, boolean, sharp), BAD(build_lods, lod, method, 9), BAD(build_lods, lod, method, -1),
+        BAD(build_lods, lod, edge_samples, -1), BAD(build_lods, lod, threshold, (double)NAN), BAD_SURFACE(build_lods, lod),
+        BAD(build_lods, lod, collapse, -1), BAD(build_sections, sections, layers, -1), BAD(build_sections, sections, caps, 9),
+        BAD(build_sections, sections, crossings, 9), BAD(build_sections, sections, depth, -1), BAD(build_sections, sections, depth, 99),
+        BAD(build_sections, sections, position_type, 9), BAD(build_sections, sections, spacing, -1), BAD(slice_mesh, slice, label, BVX_LABEL_ONLY),
+        BAD_SURFACE(repair, repair), BAD(repair, repair, sign, 99), BAD(repair, repair, sign, -1), BAD(repair, repair, sign, BVX_SIGN_NORMAL),
+        BAD(repair, repair, interpolation, 99), BAD_SWITCH(repair, repair, sharp), BAD_SWITCH(repair, repair, measure),
+        BAD(repair, repair, shell, 0.5), BAD(repair, repair, shell, (double)NAN), BAD(repair, repair, shell, 1e7),
+        BAD(read_sections, read_sections, close_gap, -1), BAD(read_sections, read_sections, close_gap, (double)NAN),
+        BAD(render_mesh, render, samples, -1), BAD(render_mesh, render, samples, 99), BAD_SWITCH(render_mesh, render, smooth),
+        BAD_SWITCH(render_mesh, render, wireframe), BAD(render_grid, render, samples, 99),
+    };
+    bvx_context *ctx = NULL;
+    int wrong = 0;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    make_world(ctx);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        int32_t const whole = bad[i].value - bad[i].value == 0.0 && bad[i].value < 2147483648.0 && bad[i].value >= -2147483648.0 ? (int32_t)bad[i].value : 0;
+        uint64_t const held = bvx_memory_used(ctx);
+        world w = right_world(ctx);
+        bvx_status status;
+        memset(&out, 0, sizeof out);
+        w.bad_at = bad[i].at;
+        w.bad_size = bad[i].size;
+        w.bad = bad[i].size == 4 ? (const void *)&whole : (const void *)&bad[i].value;
+        status = bad[i].make(&w);
+        if ((status != BVX_ERR_ARGUMENT && status != BVX_ERR_RANGE) || bvx_memory_used(ctx) != held) {
+            printf("%s: status %d, %s\n", bad[i].name, (int)status, bvx_last_message(ctx));
+            wrong++;
+        }
+    }
+    free_world(ctx);
+    bvx_context_destroy(ctx);
+    TEST_ASSERT_EQUAL_INT(0, wrong);
+}
+
 /* Arrays of the caller's that lack something, are too small, or hold what the result would contradict. */
 static void test_a_mesh_in_the_callers_arrays(void)
 {
@@ -791,6 +867,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_every_call_refuses_every_damage);
+    RUN_TEST(test_choices_out_of_range);
     RUN_TEST(test_a_mesh_in_the_callers_arrays);
     RUN_TEST(test_sections_that_contradict_themselves);
     return UNITY_END();
