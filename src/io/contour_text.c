@@ -98,7 +98,7 @@ bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t s
     if (!(o.close_gap >= 0.0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: close_gap is %g, not 0 or more", function, o.close_gap);
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no contours that can be read (CSL, CSV)", function, (int64_t)format);
-    if (size > SIZE_MAX) return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses", function, size);
+    if (size > SIZE_MAX / 2) return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses", function, size);
     memset(&f, 0, sizeof f);
     f.ctx = context;
     f.format = format == BVX_FORMAT_CSL ? "CSL" : "CSV";

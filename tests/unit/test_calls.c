@@ -1,7 +1,7 @@
 /* test_calls.c - what every public function owes to a caller who calls it wrongly: a status that is not BVX_OK, a message that
  * names the function, results left as they were, nothing kept. Each call is made rightly first, so that it is the damage which
- * is refused; then with each damage that one of its arguments can have. Then: choices out of range, meshes into arrays of
- * the caller's, and sections that contradict themselves. */
+ * is refused; then with each damage that one of its arguments can have. Then: choices out of range, sizes beyond memory, meshes
+ * into arrays of the caller's, and sections that contradict themselves. */
 #include "bitvox.h"
 #include "unity.h"
 
@@ -767,6 +767,65 @@ static void test_choices_out_of_range(void)
     TEST_ASSERT_EQUAL_INT(0, wrong);
 }
 
+static void expect_refused(bvx_context *ctx, bvx_status status, const char *name)
+{
+    TEST_ASSERT_TRUE_MESSAGE(status == BVX_ERR_ARGUMENT || status == BVX_ERR_RANGE, name);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), name), bvx_last_message(ctx));
+}
+
+/* No memory holds so many bytes or numbers, so they are refused before one is read; and of none there is nothing to do. */
+static void test_sizes_beyond_memory_and_none(void)
+{
+    static const uint64_t sizes[] = {UINT64_MAX, UINT64_MAX - 63, (uint64_t)SIZE_MAX / 2 + 1};
+    static const char text[] = "x";
+    bvx_context *ctx = NULL;
+    bvx_closest *closest = NULL;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    make_world(ctx);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &mesh, &closest));
+    memset(&out, 0, sizeof out);
+    for (int i = 0; i < 3; i++) {
+        uint64_t const n = sizes[i];
+        bvx_read_volume_options o;
+        expect_refused(ctx, bvx_read_mesh(ctx, text, n, BVX_FORMAT_PLY, &out.mesh), "bvx_read_mesh");
+        expect_refused(ctx, bvx_read_points(ctx, text, n, BVX_FORMAT_XYZ, &out.mesh), "bvx_read_points");
+        expect_refused(ctx, bvx_read_grid(ctx, text, n, BVX_FORMAT_NPY, NULL, &out.grid), "bvx_read_grid");
+        expect_refused(ctx, bvx_read_octree(ctx, text, n, &out.tree), "bvx_read_octree");
+        expect_refused(ctx, bvx_read_sections(ctx, text, n, BVX_FORMAT_CSV, NULL, &out.sections), "bvx_read_sections");
+        expect_refused(ctx, bvx_read_sections(ctx, text, n, BVX_FORMAT_CSL, NULL, &out.sections), "bvx_read_sections");
+        expect_refused(ctx, bvx_read_volume(ctx, text, n, BVX_FORMAT_NRRD, NULL, &out.volume), "bvx_read_volume");
+        expect_refused(ctx, bvx_volume_data_name(ctx, text, n, 0, NULL, 0, second), "bvx_volume_data_name");
+        bvx_read_volume_options_init(&o, sizeof o);
+        o.data = text;
+        o.data_size = n;
+        expect_refused(ctx, bvx_read_volume(ctx, text, 1, BVX_FORMAT_NRRD, &o, &out.volume), "bvx_read_volume");
+        expect_refused(ctx, bvx_grid_cast(ctx, &solid, a_ray, n, 1, (bvx_ray_hit *)&out), "bvx_grid_cast");
+        expect_refused(ctx, bvx_grid_sample(ctx, &solid, a_point, n, (double *)&out, NULL), "bvx_grid_sample");
+        expect_refused(ctx, bvx_closest_find(ctx, closest, a_point, n, (bvx_closest_point *)&out), "bvx_closest_find");
+    }
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_at(ctx, tree, NULL, 0, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_find(ctx, tree, NULL, 0, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_cast(ctx, tree, 0, NULL, 0, 1, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_cast(ctx, &solid, NULL, 0, 1, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_sample(ctx, &solid, NULL, 0, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, closest, NULL, 0, NULL));
+    expect_refused(ctx, bvx_octree_at(ctx, tree, NULL, 1, (bvx_octree_leaf *)&out), "bvx_octree_at");
+    expect_refused(ctx, bvx_octree_find(ctx, tree, NULL, 1, (bvx_octree_leaf *)&out), "bvx_octree_find");
+    expect_refused(ctx, bvx_octree_cast(ctx, tree, 0, NULL, 1, 1, (bvx_octree_hit *)&out), "bvx_octree_cast");
+    expect_refused(ctx, bvx_octree_lattice(ctx, tree, 2, &bad_lattice), "bvx_octree_lattice");
+    expect_refused(ctx, bvx_octree_lattice(ctx, tree, -1, &bad_lattice), "bvx_octree_lattice");
+    for (int a = 0; a < 3; a++)
+        for (int over = 0; over < 2; over++) {
+            int32_t voxel[3] = {15, 15, 15};
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_at(ctx, tree, voxel, 1, (bvx_octree_leaf *)&out));
+            voxel[a] = over ? 16 : -1;
+            expect_refused(ctx, bvx_octree_at(ctx, tree, voxel, 1, (bvx_octree_leaf *)&out), "bvx_octree_at");
+        }
+    bvx_closest_free(ctx, closest);
+    free_world(ctx);
+    bvx_context_destroy(ctx);
+}
+
 /* Arrays of the caller's that lack something, are too small, or hold what the result would contradict. */
 static void test_a_mesh_in_the_callers_arrays(void)
 {
@@ -868,6 +927,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_every_call_refuses_every_damage);
     RUN_TEST(test_choices_out_of_range);
+    RUN_TEST(test_sizes_beyond_memory_and_none);
     RUN_TEST(test_a_mesh_in_the_callers_arrays);
     RUN_TEST(test_sections_that_contradict_themselves);
     return UNITY_END();
