@@ -16,8 +16,43 @@ for tool in gcc gcovr python3; do
     command -v $tool >/dev/null 2>&1 || { echo "$tool is missing (Debian: gcc gcovr python3)"; exit 77; }
 done
 
-# Branches that no test can take: FILE | TEXT OF THE LINE | REASON. The text may be a part of the line; FILE may be * for all.
+# Branches that no test can take: FILE | TEXT OF THE LINE | REASON. The text may be a part of the line. Where the reason is a number
+# of things, a test would need so many of them in memory.
 exceptions='
+src/field/measure.c | n > UINT64_MAX / 24 | 2^59 values
+src/field/sign_pseudonormal.c | triangle_count > UINT32_MAX / 3 | 2^30 triangles
+src/grid/grid.c | words > SIZE_MAX / 8 | 32-bit machines alone
+src/io/obj_count.c | count > INT32_MAX | a file of 2^31 corners
+src/io/obj_count.c | f->vertices > UINT32_MAX | a file of 2^32 vertices
+src/io/obj_count.c | f->triangles > INT32_MAX | a file of 2^31 triangles
+src/io/read_off.c | triangles > INT32_MAX | a file of 2^31 triangles
+src/io/read_ply.c | triangles > INT32_MAX | a file of 2^31 triangles
+src/io/read_points.c | count > UINT32_MAX | a file of 2^32 points
+src/io/read_tree.c | octets >= (uint64_t)1 << 28 | a file of 2^28 octets
+src/io/soup.c | vertex_count == UINT32_MAX | 2^32 vertices
+src/io/soup.c | triangle_count + s->waiting > INT32_MAX | 2^31 triangles
+src/io/write_ply.c | vertex_count > INT32_MAX | 2^31 vertices
+src/io/write_vtu.c | v.count >= (uint64_t)1 << 28 | 2^28 leaves
+src/mesh/collapse.c | corners > INT32_MAX | 2^31 corners
+src/refine/refine_level.c | next->count >= (uint64_t)1 << 28 | 2^28 octets
+src/refine/refine_start.c | voxels >= UINT32_MAX | 2^32 surface voxels
+src/refine/refine_start.c | words > SIZE_MAX / 8 | 32-bit machines alone
+src/refine/states.c | octets + cubes >= UINT32_MAX | 2^32 octets
+src/section/arcs.c | room > INT32_MAX | 2^31 crossings
+src/section/planes.c | cuts > INT32_MAX | 2^31 crossings
+src/section/rings.c | vertices > UINT32_MAX - 1 | 2^32 vertices
+src/section/section_mesh.c | >= UINT32_MAX - 1 | 2^32 vertices
+src/section/section_mesh.c | triangle_count >= INT32_MAX | 2^31 triangles
+src/section/slab.c | larger > INT32_MAX | 2^31 crossings
+src/section/slabs_fill.c | vertices > UINT32_MAX - 1 | 2^32 vertices
+src/section/slabs_fill.c | triangles > INT32_MAX | 2^31 triangles
+src/section/slice.c | list_count > INT32_MAX | 2^31 triangles
+src/section/trace_room.c | room > INT32_MAX | 2^31 contour points
+src/surface/faces.c | face_count < UINT32_MAX / 2 | 2^31 faces
+src/surface/march.c | vertices >= UINT32_MAX | 2^32 vertices
+src/surface/sharp.c | >= UINT32_MAX | 2^32 vertices
+src/voxelize/labels.c | room > UINT32_MAX / 2 | 2^31 labels
+src/voxelize/voxelize_surface.c | voxels >= UINT32_MAX | 2^32 surface voxels
 '
 
 jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
@@ -80,7 +115,7 @@ for name, counted in sorted(seen.items()):
             continue
         words = text[line["line_number"] - 1].strip()
         for k, (where, part, _) in enumerate(allowed):
-            if where in ("*", name) and part in words:
+            if where == name and part in words:
                 used.add(k)
                 excused += untaken
                 break
@@ -101,6 +136,7 @@ total, taken, excused = (sum(row[i] for row in table) for i in (2, 3, 4))
 judged = total - excused
 share = 100 * taken / judged if judged else 0
 good = share >= least and not absent
-print(f"{'ok  ' if good else 'FAIL'}  {taken} of {judged} branches taken, {share:.2f} % (at least {least:g} %), {excused} more excepted; {out}/lines.txt")
+print(f"{'ok  ' if good else 'FAIL'}  {taken} of {judged} branches taken, {share:.2f} % (at least {least:g} %); {excused} more excepted")
+print(f"report: {out}/lines.txt")
 sys.exit(not good)
 END

@@ -821,6 +821,20 @@ static void test_sizes_beyond_memory_and_none(void)
             voxel[a] = over ? 16 : -1;
             expect_refused(ctx, bvx_octree_at(ctx, tree, voxel, 1, (bvx_octree_leaf *)&out), "bvx_octree_at");
         }
+    {
+        int32_t const sides[2][3] = {{1 << 25, 1 << 25, 1 << 25}, {1 << 25, 1 << 25, 1 << 19}}; /* 2^69 words, 2^63 words */
+        int32_t const blocks[2][3] = {{65536, 65536, 1}, {65536, 65535, 2}};
+        bvx_window const voxel = {{0, 0, 0}, {1, 1, 1}};
+        for (int i = 0; i < 2; i++) {
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, unit_origin, unit_spacing, sides[i], &bad_lattice));
+            TEST_ASSERT_EQUAL_UINT64(0, bvx_grid_bound(&bad_lattice, NULL));
+            memset(&out, 0, sizeof out);
+            expect_refused(ctx, bvx_grid_create(ctx, &bad_lattice, NULL, &out.grid), "bvx_grid_create");
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &bad_lattice, &voxel, &out.grid));
+            expect_refused(ctx, bvx_grid_coverage(ctx, &out.grid, blocks[i], NULL, 0, second), "bvx_grid_coverage");
+            bvx_grid_free(ctx, &out.grid);
+        }
+    }
     bvx_closest_free(ctx, closest);
     free_world(ctx);
     bvx_context_destroy(ctx);
