@@ -767,6 +767,59 @@ static void test_choices_out_of_range(void)
     TEST_ASSERT_EQUAL_INT(0, wrong);
 }
 
+/* What is not there, or empty, needs no memory back; without a context nothing can go back and nothing is touched. */
+static void test_nothing_is_freed(void)
+{
+    bvx_context *ctx = NULL;
+    bvx_attached attached;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    for (int given = 0; given < 2; given++) {
+        bvx_context *const c = given ? ctx : NULL;
+        bvx_grid_free(c, NULL);
+        bvx_mesh_free(c, NULL);
+        bvx_buffer_free(c, NULL);
+        bvx_octree_free(c, NULL);
+        bvx_field_free(c, NULL);
+        bvx_sections_free(c, NULL);
+        bvx_image_free(c, NULL);
+        bvx_volume_free(c, NULL);
+        bvx_closest_free(c, NULL);
+        bvx_attached_free(c, NULL);
+        memset(&out, 0, sizeof out);
+        memset(&attached, 0, sizeof attached);
+        bvx_grid_free(c, &out.grid);
+        bvx_mesh_free(c, &out.mesh);
+        bvx_buffer_free(c, &out.buffer);
+        bvx_field_free(c, &out.field);
+        bvx_sections_free(c, &out.sections);
+        bvx_image_free(c, &out.image);
+        bvx_volume_free(c, &out.volume);
+        bvx_attached_free(c, &attached);
+    }
+    make_world(ctx);
+    {
+        uint64_t const held = bvx_memory_used(ctx);
+        bvx_grid const grid_before = solid;
+        bvx_mesh const body_before = body;
+        bvx_buffer const npy_before = npy;
+        bvx_grid_free(NULL, &solid);
+        bvx_mesh_free(NULL, &body);
+        bvx_buffer_free(NULL, &npy);
+        TEST_ASSERT_EQUAL_UINT64(held, bvx_memory_used(ctx));
+        TEST_ASSERT_EQUAL_MEMORY(&grid_before, &solid, sizeof solid);
+        TEST_ASSERT_EQUAL_MEMORY(&body_before, &body, sizeof body);
+        TEST_ASSERT_EQUAL_MEMORY(&npy_before, &npy, sizeof npy);
+    }
+    bvx_mesh_view_of(NULL, &bad_mesh);
+    TEST_ASSERT_NULL(bad_mesh.positions);
+    TEST_ASSERT_EQUAL_UINT64(0, bad_mesh.triangle_count);
+    bvx_mesh_view_of(&body, NULL);
+    free_world(ctx);
+    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
+    bvx_context_destroy(ctx);
+    bvx_context_destroy(NULL);
+}
+
 static void expect_refused(bvx_context *ctx, bvx_status status, const char *name)
 {
     TEST_ASSERT_TRUE_MESSAGE(status == BVX_ERR_ARGUMENT || status == BVX_ERR_RANGE, name);
@@ -940,6 +993,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_every_call_refuses_every_damage);
+    RUN_TEST(test_nothing_is_freed);
     RUN_TEST(test_choices_out_of_range);
     RUN_TEST(test_sizes_beyond_memory_and_none);
     RUN_TEST(test_a_mesh_in_the_callers_arrays);
