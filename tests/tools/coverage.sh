@@ -1,7 +1,7 @@
 #!/bin/sh
 # coverage.sh - which branches of src/ (without cli) the quick tests take. Called by `make coverage`; needs gcc, gcovr, cmocka and
-# python3. Prints a line a file, most missed branches first, and fails below 95 %. Writes build/coverage/lines.txt (the lines
-# with branches that no test takes) and coverage.json (gcovr's).
+# python3. Prints the 30 files with most branches that no test takes, and fails below 95 % of all. Writes build/coverage/files.txt
+# (every file), lines.txt (the lines with such branches) and coverage.json (gcovr's).
 #
 # Unit and fault tests, golden values (by the fast paths and without them) and the examples in C are run; what the program's
 # scripts run besides is left out, since the program's own threads would lose counts. Only the core is counted in, at -O1 without
@@ -127,9 +127,11 @@ for name, counted in sorted(seen.items()):
             state = "" if line["count"] else ", never run"
             open_lines.append(f"{name}:{line['line_number']}: {untaken} of {len(branches)} not taken{state}: {words}")
     table.append((total - taken - excused, name, total, taken, excused))
-print("not taken  taken  branches  excepted  file")
+rows = ["not taken  taken  branches  excepted  file"]
 for missed, name, total, taken, excused in sorted(table, key=lambda r: (-r[0], r[1])):
-    print(f"{missed:9}  {100 * taken / total if total else 100:4.0f}%  {total:8}  {excused:8}  {name}")
+    rows.append(f"{missed:9}  {100 * taken / total if total else 100:4.0f}%  {total:8}  {excused:8}  {name}")
+print("\n".join(rows[:31]))
+open(f"{out}/files.txt", "w").write("\n".join(rows) + "\n")
 open(f"{out}/lines.txt", "w").write("".join(line + "\n" for line in open_lines))
 for name in absent:
     print(f"FAIL  {name}: not counted")
@@ -141,6 +143,6 @@ judged = total - excused
 share = 100 * taken / judged if judged else 0
 good = share >= least and not absent
 print(f"{'ok  ' if good else 'FAIL'}  {taken} of {judged} branches taken, {share:.2f} % (at least {least:g} %); {excused} more excepted")
-print(f"report: {out}/lines.txt")
+print(f"all {len(table)} files: {out}/files.txt; lines with branches not taken: {out}/lines.txt")
 sys.exit(not good)
 END
