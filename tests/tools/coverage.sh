@@ -71,6 +71,10 @@ mk test-programs fault-programs >"$out/build.log" 2>&1 || {
     exit 1
 }
 find "$folder" -name '*.gcda' -exec rm -f {} +
+for notes in "$folder"/src/*/*.gcno; do # of sources that are gone
+    source=${notes#"$folder"/}
+    [ -f "${source%.gcno}.c" ] || rm -f "$notes"
+done
 
 # Each program once, as many at a time as there are processors; programs add their counts to the files under a lock.
 rm -rf "$out/runs"
