@@ -18,8 +18,10 @@
 #define BVXI_RESTRICT
 #endif
 
-/* Loops over arrays that compilers turn into vector code; copied into one function a processor level. */
-#if defined(__GNUC__)
+/* Loops over arrays that compilers turn into vector code; copied into one function a processor level. A build that counts
+ * branches defines it without the copies. */
+#if defined(BVXI_VECTOR_INLINE)
+#elif defined(__GNUC__)
 #define BVXI_VECTOR_INLINE static inline __attribute__((always_inline))
 #else
 #define BVXI_VECTOR_INLINE static inline

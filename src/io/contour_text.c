@@ -1,6 +1,8 @@
 /* contour_text.c - contour stacks as readers make them, and which reader a format has. */
 #include "io/contour_text.h"
 
+#include "section/section.h"
+
 static uint64_t contour_line(const bvxi_contour_file *f, const char *at)
 {
     uint64_t line = 1;
@@ -89,14 +91,14 @@ bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t s
     bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
-    if (sections == NULL) return bvxi_fail_null(context, function, "sections");
+    BVXI_TRY(bvxi_sections_check_result(context, function, sections));
     bvx_read_sections_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
     if (o.reserved != 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
     if (!(o.close_gap >= 0.0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: close_gap is %g, not 0 or more", function, o.close_gap);
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no contours that can be read (CSL, CSV)", function, (int64_t)format);
-    if (size > SIZE_MAX) return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses", function, size);
+    if (size > SIZE_MAX / 2) return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses", function, size);
     memset(&f, 0, sizeof f);
     f.ctx = context;
     f.format = format == BVX_FORMAT_CSL ? "CSL" : "CSV";

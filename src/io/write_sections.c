@@ -217,6 +217,8 @@ bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections
     bvx_buffer made = {0};
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (file == NULL) return bvxi_fail_null(context, function, "file");
+    if (file->bytes != NULL)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
     BVXI_TRY(bvxi_sections_check(context, function, sections));
     BVXI_TRY(bvxi_section_frame(context, function, sections->normal, axis));
     BVXI_TRY(check_section_format(context, function, sections, format, (const double (*)[3])axis));

@@ -91,7 +91,7 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const bvx_
 bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice_options *options,
                                 bvx_lattice *lattice)
 {
-    return fit_lattice(context, "bvx_lattice_fit", mesh, 0, options, lattice);
+    return fit_lattice(context, "bvx_lattice_fit_with", mesh, 0, options, lattice);
 }
 
 bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice_options *options,
@@ -108,5 +108,5 @@ bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int3
     if (context != NULL && resolution < 1)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,
                          (int64_t)BVXI_MAX_SIDE);
-    return bvx_lattice_fit_with(context, mesh, &o, lattice);
+    return fit_lattice(context, "bvx_lattice_fit", mesh, 0, &o, lattice);
 }

@@ -139,6 +139,8 @@ bvx_status bvxi_stack_grid(bvxi_stack *stack);
 /* ---- stack_check.c: arrays that are none are refused, planes are put into order ---- */
 
 bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx_sections *given);
+/* Refuse a result that is NULL or in use, which would be lost. */
+bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, const bvx_sections *result);
 /* An orthonormal frame with w along normal, exact where that is an axis. */
 bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const double normal[3], double axis[3][3]);
 

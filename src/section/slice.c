@@ -369,7 +369,7 @@ bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const
     bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, slice_name, "mesh");
-    if (sections == NULL) return bvxi_fail_null(context, slice_name, "sections");
+    BVXI_TRY(bvxi_sections_check_result(context, slice_name, sections));
     bvx_slice_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, slice_name, options, &o, sizeof o));
     if (o.reserved != 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", slice_name);

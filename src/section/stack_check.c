@@ -21,6 +21,14 @@ static bvx_status check_loop(bvx_context *ctx, const char *function, const bvx_s
     return BVX_OK;
 }
 
+bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, const bvx_sections *result)
+{
+    if (result == NULL) return bvxi_fail_null(ctx, function, "sections");
+    if (result->points != NULL || result->loops != NULL || result->positions != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sections holds arrays already; free or zero it first", function);
+    return BVX_OK;
+}
+
 bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx_sections *given)
 {
     if (given == NULL) return bvxi_fail_null(ctx, function, "sections");

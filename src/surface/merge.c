@@ -21,6 +21,7 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
     const bvx_mesh *const first = w->parts;
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];
+        BVXI_TRY(bvxi_mesh_check_reserved(ctx, merge_name, m));
         if (m->vertex_count >= UINT32_MAX || m->triangle_count >= UINT32_MAX) /* before sums of them could wrap */
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: part %u has %u vertices and %u triangles; 2^32 - 2 are possible", merge_name, p,
                              m->vertex_count, m->triangle_count);

@@ -155,12 +155,77 @@ static void test_sections_under_every_memory_limit(void **state)
     }
 }
 
+/* Six times the volume inside. */
+static double volume_of(const bvx_mesh *m)
+{
+    const double *const p = m->positions;
+    double v = 0;
+    for (uint64_t t = 0; t < m->triangle_count; t++) {
+        const double *const a = p + 3 * (size_t)m->triangles[3 * t], *const b = p + 3 * (size_t)m->triangles[3 * t + 1];
+        const double *const c = p + 3 * (size_t)m->triangles[3 * t + 2];
+        v += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    return v;
+}
+
+typedef struct close_points {
+    section_maker stack;
+    double volume; /* of the last run that went well */
+} close_points;
+
+static bvx_status run_close_points(void *user, bvx_context *ctx)
+{
+    close_points *const run = user;
+    bvx_sections_options o;
+    bvx_mesh mesh = {0};
+    bvx_status status;
+    bvx_sections_options_init(&o, sizeof o);
+    o.grid[0] = 6;
+    o.grid[1] = 5;
+    status = bvx_build_sections(ctx, &run->stack.s, &o, &mesh);
+    if (status == BVX_OK) {
+        run->volume = volume_of(&mesh);
+        bvx_mesh_free(ctx, &mesh);
+    }
+    return status;
+}
+
+/* A square whose corners are each count points that lie closer together than the fixed point tells apart; from: which of a
+ * corner's points the loop begins with, so that the run of them goes over its end. */
+static void put_close_square(section_maker *m, uint32_t section, int count, int from)
+{
+    static const double corner[4][2] = {{0, 0}, {3, 0}, {3, 2}, {0, 2}};
+    stack_loop(m, section);
+    for (int i = 0; i < 4 * count; i++) {
+        int const k = (i + from) % (4 * count);
+        double const away = (k % count) * 1e-13;
+        stack_point(m, corner[k / count][0] + away, corner[k / count][1] + away);
+    }
+}
+
+/* Three such squares, one above the other, are a box of 3 x 2 x 2, whichever points they begin with. */
+static void test_points_that_snap_to_one_place(void **state)
+{
+    static close_points run;
+    (void)state;
+    for (int count = 1; count <= 3; count++)
+        for (int from = 0; from < count; from++) {
+            bvx_context_options const o = default_options();
+            stack_clear(&run.stack);
+            for (int i = 0; i < 3; i++) put_close_square(&run.stack, stack_section(&run.stack, i), count, from);
+            assert_int_equal(run_close_points(&run, maker), BVX_OK);
+            assert_true(run.volume > 72 - 1e-9 && run.volume < 72 + 1e-9);
+            assert_null(fault_every_allocation(run_close_points, &run, &o, NULL));
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_allocation_of_sections_fails_once),
         cmocka_unit_test(test_sections_cancel_at_every_progress_call),
         cmocka_unit_test(test_sections_under_every_memory_limit),
+        cmocka_unit_test(test_points_that_snap_to_one_place),
     };
     return cmocka_run_group_tests(tests, make_inputs, free_inputs);
 }

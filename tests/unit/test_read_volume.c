@@ -189,10 +189,35 @@ static void test_nrrd_names_of_data_files(void)
     check_names("s%d 2 1 1\n", "7");
     check_names("s%d 1 2 1 3\n", "8");
     check_names("50%\n", "50%");
+    check_names("s%d 1 3000000000 1\n", "8");
+    check_names("s%d -3000000000 1 1\n", "8");
+    check_names("s%d 1 2 -1\n", "7");
+    check_names("s%020d 7 7 1\n", "s00000000000000000007");
+    check_names("s%d 1 2\n", "s%d 1 2"); /* what is no pattern is a name */
+    check_names("s%d 1 2 1x\n", "s%d 1 2 1x");
+    check_names("s%d 1 2 1 x\n", "s%d 1 2 1 x");
+    check_names("s%:d 1 2 1\n", "s%:d 1 2 1");
+    check_names("s%21d 1 2 1\n", "s%21d 1 2 1");
+    check_names("s%999999999999d 1 2 1\n", "s%999999999999d 1 2 1");
     check_names("LIST\na\r\nb c\n\nd", "a b c d");
     check_names("LIST 2\na\n", "a");
     check_names("LIST\n", "7");
     check_names("\n", "7");
+}
+
+static void test_several_data_files_are_not_packed_or_skipped(void)
+{
+    static const char *const fields[] = {"encoding: gzip", "encoding: raw\nline skip: 1", "encoding: raw\nbyte skip: 1"};
+    uint64_t count = 0;
+    char head[256];
+    for (int i = 0; i < 3; i++)
+        for (int files = 1; files < 3; files++) {
+            snprintf(head, sizeof head, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 3 2\n%s\ndata file: s%%d 1 %d 1\n", fields[i], files);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(files == 1 ? BVX_OK : BVX_ERR_UNSUPPORTED, bvx_volume_data_name(ctx, head, strlen(head), 0, NULL, 0, &count), head);
+        }
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_volume_data_name(NULL, head, strlen(head), 0, NULL, 0, &count));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_volume_data_name(ctx, NULL, 1, 0, NULL, 0, &count));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_volume_data_name(ctx, head, strlen(head), 0, NULL, 0, NULL));
 }
 
 static void test_samples_alone(void)
@@ -281,6 +306,7 @@ int main(void)
     RUN_TEST(test_nrrd_gzip_by_the_callers_function);
     RUN_TEST(test_nrrd_detached);
     RUN_TEST(test_nrrd_names_of_data_files);
+    RUN_TEST(test_several_data_files_are_not_packed_or_skipped);
     RUN_TEST(test_samples_alone);
     RUN_TEST(test_npy_in_both_orders_of_axes);
     RUN_TEST(test_files_cut_at_every_byte);

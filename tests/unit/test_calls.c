@@ -1,0 +1,1024 @@
+/* test_calls.c - what every public function owes to a caller who calls it wrongly: a status that is not BVX_OK, a message that
+ * names the function, results left as they were, nothing kept. Each call is made rightly first, so that it is the damage which
+ * is refused; then with each damage that one of its arguments can have. Then: choices out of range, sizes beyond memory, meshes
+ * into arrays of the caller's, and sections that contradict themselves. */
+#include "bitvox.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+void setUp(void) {}
+void tearDown(void) {}
+
+/* What a call takes, and what can be wrong with it. */
+enum {
+    MESH = 1, POINTS = 2, LATTICE = 4, GRID = 8, OTHER = 16, TREE = 32, FIELD = 64, SECTIONS = 128, VOLUME = 256, OPTIONS = 512,
+    BODY = 1024, BYTES = 2048, IMAGE = 4096, SECOND = 8192, SLOT = 16384, RESERVED = 32768,
+    INNER = 65536 /* a message may name the public function that the call makes in its turn */
+};
+/* Into what it writes; what is in use already is refused for all but PLAIN. */
+enum { PLAIN, TO_GRID, TO_MESH, TO_BUFFER, TO_TREE, TO_FIELD, TO_SECTIONS, TO_IMAGE, TO_VOLUME, TO_CLOSEST };
+
+typedef union result {
+    bvx_grid grid;
+    bvx_mesh mesh;
+    bvx_buffer buffer;
+    bvx_octree *tree;
+    bvx_field field;
+    bvx_sections sections;
+    bvx_image image;
+    bvx_volume volume;
+    bvx_closest *closest;
+    unsigned char plain[4096];
+} result;
+
+typedef struct world {
+    bvx_context *ctx;
+    const bvx_mesh_view *mesh, *points;
+    const bvx_lattice *lattice;
+    const bvx_grid *grid, *other;
+    const bvx_octree *tree;
+    const bvx_field *field;
+    const bvx_sections *sections;
+    const bvx_volume_view *volume;
+    const bvx_mesh *body;
+    const bvx_image *image;
+    const bvx_buffer *file, *lattice_file; /* bytes and size of the format that a reader wants */
+    int wrong_size, wrong_reserved; /* of the options */
+    size_t bad_at, bad_size;        /* a field of the options to spoil */
+    const void *bad;
+    result *out;
+    void *second; /* of two outputs, or the place of a count */
+} world;
+
+/* Options of a call, with the damage of this run. */
+#define TAKE_OPTIONS(kind, name)                  \
+    bvx_##kind##_options name;                    \
+    bvx_##kind##_options_init(&name, sizeof name); \
+    if (w->wrong_size) name.struct_size = 1;       \
+    if (w->bad_size != 0) memcpy((char *)&name + w->bad_at, w->bad, w->bad_size)
+#define TAKE_RESERVED(place) \
+    if (w->wrong_reserved) (place) = 1
+
+static const double unit_origin[3] = {0, 0, 0}, unit_spacing[3] = {1, 1, 1};
+static const int32_t eight[3] = {8, 8, 8}, two[3] = {2, 2, 2}, zeros[3] = {0, 0, 0}, own_axes[3] = {0, 1, 2};
+static const double a_ray[6] = {-1, 4, 4, 1, 0, 0}, a_point[3] = {4, 4, 4};
+
+static bvx_status lattice_fit(const world *w) { return bvx_lattice_fit(w->ctx, w->mesh, 8, (bvx_lattice *)w->out); }
+static bvx_status lattice_fit_with(const world *w)
+{
+    TAKE_OPTIONS(lattice, o);
+    o.resolution = 8;
+    TAKE_RESERVED(o.reserved);
+    return bvx_lattice_fit_with(w->ctx, w->mesh, &o, (bvx_lattice *)w->out);
+}
+static bvx_status lattice_fit_points(const world *w)
+{
+    TAKE_OPTIONS(lattice, o);
+    o.resolution = 8;
+    TAKE_RESERVED(o.reserved);
+    return bvx_lattice_fit_points(w->ctx, w->points, &o, (bvx_lattice *)w->out);
+}
+static bvx_status lattice_make(const world *w) { return bvx_lattice_make(w->ctx, unit_origin, unit_spacing, eight, (bvx_lattice *)w->out); }
+static bvx_status grid_create(const world *w) { return bvx_grid_create(w->ctx, w->lattice, NULL, (bvx_grid *)w->out); }
+static bvx_status grid_count(const world *w) { return bvx_grid_count(w->ctx, w->grid, (uint64_t *)w->out); }
+static bvx_status grid_hash(const world *w) { return bvx_grid_hash(w->ctx, w->grid, (uint64_t *)w->out); }
+static bvx_status mesh_hash(const world *w) { return bvx_mesh_hash(w->ctx, w->body, (uint64_t *)w->out); }
+static bvx_status mesh_check(const world *w) { return bvx_mesh_check(w->ctx, w->mesh, 1, (bvx_certificate *)w->out); }
+static bvx_status mesh_normals(const world *w) { return bvx_mesh_normals(w->ctx, w->mesh, 1, (float *)w->out, NULL); }
+static bvx_status mesh_distance(const world *w) { return bvx_mesh_distance(w->ctx, w->mesh, w->mesh, 10, 1, (bvx_distance_report *)w->out); }
+static bvx_status closest_create(const world *w) { return bvx_closest_create(w->ctx, w->mesh, (bvx_closest **)w->out); }
+static bvx_mesh coloured; /* written into again and again */
+static bvx_status mesh_carry(const world *w) { return bvx_mesh_carry(w->ctx, w->body, w->second != NULL ? &coloured : NULL); }
+static bvx_status grid_cast(const world *w) { return bvx_grid_cast(w->ctx, w->grid, a_ray, 1, 100, (bvx_ray_hit *)w->out); }
+static bvx_status grid_sample(const world *w) { return bvx_grid_sample(w->ctx, w->grid, a_point, 1, (double *)w->out, NULL); }
+static bvx_status grid_compare(const world *w) { return bvx_grid_compare(w->ctx, w->grid, w->other, (bvx_grid_difference *)w->out); }
+static bvx_status voxelize_solid(const world *w)
+{
+    TAKE_OPTIONS(voxelize, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_voxelize_solid(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
+}
+static bvx_status compare_fills(const world *w)
+{
+    TAKE_OPTIONS(compare_fills, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_compare_fills(w->ctx, w->mesh, w->lattice, &o, (bvx_fill_comparison *)w->out);
+}
+static bvx_status find_seed(const world *w) { return bvx_find_seed(w->ctx, w->grid, NULL, 0, (bvx_seed *)w->out); }
+static bvx_status find_pockets(const world *w) { return bvx_find_pockets(w->ctx, w->grid, NULL, (int32_t *)w->out, 4, w->second); }
+static bvx_status grid_fill(const world *w) { return bvx_grid_fill(w->ctx, w->grid, zeros, 1, 6, (bvx_grid *)w->out); }
+static bvx_status grid_union(const world *w) { return bvx_grid_union(w->ctx, w->grid, w->other, (bvx_grid *)w->out); }
+static bvx_status grid_intersection(const world *w) { return bvx_grid_intersection(w->ctx, w->grid, w->other, (bvx_grid *)w->out); }
+static bvx_status grid_subtract(const world *w) { return bvx_grid_subtract(w->ctx, w->grid, w->other, (bvx_grid *)w->out); }
+static bvx_status grid_xor(const world *w) { return bvx_grid_xor(w->ctx, w->grid, w->other, (bvx_grid *)w->out); }
+static bvx_status grid_complement(const world *w) { return bvx_grid_complement(w->ctx, w->grid, (bvx_grid *)w->out); }
+static bvx_status grid_resample(const world *w) { return bvx_grid_resample(w->ctx, w->grid, w->lattice, NULL, (bvx_grid *)w->out); }
+static bvx_status grid_downsample(const world *w) { return bvx_grid_downsample(w->ctx, w->grid, two, 0, (bvx_grid *)w->out); }
+static bvx_status grid_coverage(const world *w) { return bvx_grid_coverage(w->ctx, w->grid, two, (uint32_t *)w->out, 64, w->second); }
+static bvx_status grid_content(const world *w) { return bvx_grid_content(w->ctx, w->grid, (bvx_window *)w->out); }
+static bvx_status grid_crop(const world *w) { return bvx_grid_crop(w->ctx, w->grid, NULL, (bvx_grid *)w->out); }
+static bvx_status grid_pad(const world *w) { return bvx_grid_pad(w->ctx, w->grid, two, zeros, (bvx_grid *)w->out); }
+static bvx_status grid_permute(const world *w) { return bvx_grid_permute(w->ctx, w->grid, own_axes, NULL, (bvx_grid *)w->out); }
+static bvx_status voxelize_surface(const world *w)
+{
+    TAKE_OPTIONS(surface, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_voxelize_surface(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
+}
+#define MORPH_CALL(name, function)                                 \
+    static bvx_status name(const world *w)                         \
+    {                                                              \
+        TAKE_OPTIONS(morph, o);                                    \
+        TAKE_RESERVED(o.reserved);                                 \
+        return function(w->ctx, w->grid, &o, (bvx_grid *)w->out);  \
+    }
+MORPH_CALL(grid_dilate, bvx_grid_dilate)
+MORPH_CALL(grid_erode, bvx_grid_erode)
+MORPH_CALL(grid_open, bvx_grid_open)
+MORPH_CALL(grid_close, bvx_grid_close)
+static bvx_status grid_hollow(const world *w)
+{
+    TAKE_OPTIONS(hollow, o);
+    o.thickness = 1;
+    TAKE_RESERVED(o.reserved);
+    return bvx_grid_hollow(w->ctx, w->grid, &o, (bvx_grid *)w->out);
+}
+static bvx_status grid_distance(const world *w)
+{
+    TAKE_OPTIONS(distance, o);
+    TAKE_RESERVED(o.reserved[0]);
+    return bvx_grid_distance(w->ctx, w->grid, &o, BVX_F32, w->out, 512);
+}
+static bvx_status grid_distance_squares(const world *w)
+{
+    TAKE_OPTIONS(distance, o);
+    TAKE_RESERVED(o.reserved[1]);
+    return bvx_grid_distance_squares(w->ctx, w->grid, &o, (uint32_t *)w->out, 512);
+}
+static bvx_status refine(const world *w)
+{
+    TAKE_OPTIONS(refine, o);
+    o.levels = 1;
+    TAKE_RESERVED(o.reserved);
+    return bvx_refine(w->ctx, w->mesh, w->lattice, &o, (bvx_octree **)w->out);
+}
+static bvx_status refine_choose(const world *w)
+{
+    TAKE_OPTIONS(refine, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_refine_choose(w->ctx, w->mesh, 16, &o, (bvx_lattice *)w->out);
+}
+static bvx_status octree_lattice(const world *w) { return bvx_octree_lattice(w->ctx, w->tree, 0, (bvx_lattice *)w->out); }
+static bvx_status octree_count(const world *w) { return bvx_octree_count(w->ctx, w->tree, (bvx_octree_level *)w->out, 2); }
+static bvx_status octree_at(const world *w) { return bvx_octree_at(w->ctx, w->tree, zeros, 1, (bvx_octree_leaf *)w->out); }
+static bvx_status octree_find(const world *w) { return bvx_octree_find(w->ctx, w->tree, a_point, 1, (bvx_octree_leaf *)w->out); }
+static bvx_status octree_cast(const world *w) { return bvx_octree_cast(w->ctx, w->tree, 0, a_ray, 1, 100, (bvx_octree_hit *)w->out); }
+static bvx_status octree_expand(const world *w) { return bvx_octree_expand(w->ctx, w->tree, 1, 0, NULL, (bvx_grid *)w->out); }
+static bvx_status octree_neighbours(const world *w)
+{
+    static const bvx_octree_leaf leaf; /* voxel 0, 0, 0 of level 0 */
+    return bvx_octree_neighbours(w->ctx, w->tree, &leaf, 3, NULL, 0, w->second);
+}
+static bvx_status octree_leaves(const world *w) { return bvx_octree_leaves(w->ctx, w->tree, 0, NULL, 0, w->second); }
+static bvx_status extract_octree(const world *w)
+{
+    TAKE_OPTIONS(extract, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_extract_octree(w->ctx, w->tree, 0, &o, (bvx_mesh *)w->out);
+}
+static bvx_status voxelize_points(const world *w)
+{
+    TAKE_OPTIONS(points, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_voxelize_points(w->ctx, w->points, w->lattice, &o, (bvx_grid *)w->out);
+}
+static bvx_status grid_components(const world *w) { return bvx_grid_components(w->ctx, w->grid, 6, NULL, 0, w->second); }
+static bvx_status grid_label(const world *w) { return bvx_grid_label(w->ctx, w->grid, 6, (uint32_t *)w->out, 512, w->second); }
+static bvx_status grid_keep(const world *w)
+{
+    TAKE_OPTIONS(keep, o);
+    TAKE_RESERVED(o.reserved);
+    o.at_least = 2;
+    return bvx_grid_keep(w->ctx, w->grid, &o, (bvx_grid *)w->out);
+}
+static bvx_status grid_fill_cavities(const world *w) { return bvx_grid_fill_cavities(w->ctx, w->grid, 6, 0, (bvx_grid *)w->out, w->second); }
+static bvx_status grid_topology(const world *w) { return bvx_grid_topology(w->ctx, w->grid, 6, (bvx_topology *)w->out); }
+static bvx_status extract_count(const world *w)
+{
+    TAKE_OPTIONS(extract, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_extract_count(w->ctx, w->grid, &o, (uint64_t *)w->out, w->second);
+}
+static bvx_status extract_surface(const world *w)
+{
+    TAKE_OPTIONS(extract, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_extract_surface(w->ctx, w->grid, &o, (bvx_mesh *)w->out);
+}
+static bvx_status faces_count(const world *w)
+{
+    TAKE_OPTIONS(faces, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_faces_count(w->ctx, w->grid, &o, (uint64_t *)w->out, w->second);
+}
+static bvx_status extract_faces(const world *w)
+{
+    TAKE_OPTIONS(faces, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_extract_faces(w->ctx, w->grid, &o, (bvx_mesh *)w->out);
+}
+static bvx_status mesh_merge(const world *w) { return bvx_mesh_merge(w->ctx, w->body, 1, (bvx_mesh *)w->out); }
+static bvx_status threshold(const world *w) { return bvx_threshold(w->ctx, w->volume, 1, 200, NULL, (bvx_grid *)w->out); }
+static bvx_status extract_scalar(const world *w)
+{
+    TAKE_OPTIONS(scalar, o);
+    o.level = 0.5;
+    TAKE_RESERVED(o.reserved[1]);
+    return bvx_extract_scalar(w->ctx, w->volume, &o, (bvx_mesh *)w->out);
+}
+static bvx_status list_labels(const world *w) { return bvx_list_labels(w->ctx, w->volume, NULL, 0, w->second); }
+static bvx_status read_volume(const world *w)
+{
+    TAKE_OPTIONS(read_volume, o);
+    TAKE_RESERVED(o.reserved[0]);
+    return bvx_read_volume(w->ctx, w->file->bytes, w->file->size, BVX_FORMAT_NPY, &o, (bvx_volume *)w->out);
+}
+static bvx_status measure_field(const world *w)
+{
+    TAKE_OPTIONS(field, o);
+    o.half_width = 2;
+    TAKE_RESERVED(o.reserved[0]);
+    return bvx_measure_field(w->ctx, w->mesh, w->lattice, &o, (bvx_field *)w->out);
+}
+static bvx_status field_dense(const world *w) { return bvx_field_dense(w->ctx, w->field, w->mesh, 0, 0, (float *)w->out); }
+static bvx_status extract_field_surface(const world *w)
+{
+    TAKE_OPTIONS(field_surface, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_extract_field_surface(w->ctx, w->field, w->mesh, &o, (bvx_mesh *)w->out);
+}
+static bvx_status boolean(const world *w)
+{
+    TAKE_OPTIONS(boolean, o);
+    o.resolution = 8;
+    TAKE_RESERVED(o.reserved[1]);
+    return bvx_boolean(w->ctx, w->mesh, w->mesh, BVX_BOOLEAN_UNION, &o, (bvx_mesh *)w->out);
+}
+static bvx_status build_lods(const world *w)
+{
+    TAKE_OPTIONS(lod, o);
+    o.resolutions = eight;
+    TAKE_RESERVED(o.reserved);
+    return bvx_build_lods(w->ctx, w->grid, &o, 1, (bvx_mesh *)w->out);
+}
+static bvx_status build_sections(const world *w)
+{
+    TAKE_OPTIONS(sections, o);
+    return bvx_build_sections(w->ctx, w->sections, &o, (bvx_mesh *)w->out);
+}
+static bvx_status slice_mesh(const world *w)
+{
+    TAKE_OPTIONS(slice, o);
+    TAKE_RESERVED(o.reserved);
+    o.spacing = 1;
+    return bvx_slice_mesh(w->ctx, w->mesh, &o, (bvx_sections *)w->out);
+}
+static bvx_status repair(const world *w)
+{
+    TAKE_OPTIONS(repair, o);
+    o.resolution = 8;
+    TAKE_RESERVED(o.reserved[0]);
+    return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
+}
+static bvx_status write_mesh(const world *w) { return bvx_write_mesh(w->ctx, w->body, BVX_FORMAT_PLY, (bvx_buffer *)w->out); }
+static bvx_status write_grid(const world *w) { return bvx_write_grid(w->ctx, w->grid, BVX_FORMAT_BVX, (bvx_buffer *)w->out); }
+static bvx_status write_octree(const world *w) { return bvx_write_octree(w->ctx, w->tree, 0, BVX_FORMAT_BVX, (bvx_buffer *)w->out); }
+static bvx_status write_field(const world *w) { return bvx_write_field(w->ctx, w->field, 0, BVX_FORMAT_NRRD, (bvx_buffer *)w->out); }
+static bvx_status write_lattice(const world *w) { return bvx_write_lattice(w->ctx, w->grid, (bvx_buffer *)w->out); }
+static bvx_status write_head(const world *w) { return bvx_write_head(w->ctx, w->lattice, NULL, (bvx_buffer *)w->out); }
+static bvx_status write_slices(const world *w) { return bvx_write_slices(w->ctx, w->grid, (bvx_buffer *)w->out); }
+static bvx_status write_sections(const world *w) { return bvx_write_sections(w->ctx, w->sections, BVX_FORMAT_CSV, (bvx_buffer *)w->out); }
+static bvx_status write_png(const world *w) { return bvx_write_png(w->ctx, w->image, (bvx_buffer *)w->out); }
+#define RENDER_OPTIONS          \
+    TAKE_OPTIONS(render, o);    \
+    o.width = o.height = 8;     \
+    TAKE_RESERVED(o.reserved)
+static bvx_status render_mesh(const world *w)
+{
+    RENDER_OPTIONS;
+    return bvx_render_mesh(w->ctx, w->mesh, &o, (bvx_image *)w->out);
+}
+static bvx_status render_grid(const world *w)
+{
+    RENDER_OPTIONS;
+    return bvx_render_grid(w->ctx, w->grid, &o, (bvx_image *)w->out);
+}
+static bvx_status render_difference(const world *w)
+{
+    RENDER_OPTIONS;
+    return bvx_render_difference(w->ctx, w->grid, w->other, &o, (bvx_image *)w->out);
+}
+static bvx_status render_slices(const world *w)
+{
+    RENDER_OPTIONS;
+    return bvx_render_slices(w->ctx, w->grid, 2, 2, &o, (bvx_image *)w->out);
+}
+static bvx_status read_grid(const world *w) { return bvx_read_grid(w->ctx, w->file->bytes, w->file->size, BVX_FORMAT_NPY, NULL, (bvx_grid *)w->out); }
+
+static const char csv[] = "section,position,loop,x,y\n0,0,0,0,0\n0,0,0,1,0\n0,0,0,0,1\n";
+static bvx_status read_sections(const world *w)
+{
+    TAKE_OPTIONS(read_sections, o);
+    TAKE_RESERVED(o.reserved);
+    return bvx_read_sections(w->ctx, csv, sizeof csv - 1, BVX_FORMAT_CSV, &o, (bvx_sections *)w->out);
+}
+
+static bvx_status read_lattice(const world *w)
+{
+    bvx_grid placed = *w->grid; /* it gets the lattice of the file */
+    return bvx_read_lattice(w->ctx, w->lattice_file->bytes, w->lattice_file->size, w->second != NULL ? &placed : NULL);
+}
+
+typedef struct call {
+    const char *name;
+    bvx_status (*make)(const world *w);
+    int takes, to;
+} call;
+#define CALL(name, takes, to) {"bvx_" #name, name, takes, to}
+static const call calls[] = {
+    CALL(lattice_fit, MESH, PLAIN), CALL(lattice_fit_with, MESH | OPTIONS | RESERVED, PLAIN),
+    CALL(lattice_fit_points, POINTS | OPTIONS | RESERVED, PLAIN), CALL(lattice_make, 0, PLAIN), CALL(grid_create, LATTICE, TO_GRID),
+    CALL(grid_count, GRID, PLAIN), CALL(grid_hash, GRID, PLAIN), CALL(mesh_hash, BODY, PLAIN), CALL(mesh_check, MESH, PLAIN),
+    CALL(mesh_normals, MESH, PLAIN), CALL(mesh_distance, MESH, PLAIN), CALL(closest_create, MESH, TO_CLOSEST),
+    CALL(grid_cast, GRID, PLAIN), CALL(grid_sample, GRID, PLAIN), CALL(grid_compare, GRID | OTHER, PLAIN),
+    CALL(voxelize_solid, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID), CALL(compare_fills, MESH | LATTICE | OPTIONS | RESERVED, PLAIN),
+    CALL(find_seed, GRID, PLAIN), CALL(find_pockets, GRID | SECOND | SLOT, PLAIN), CALL(grid_fill, GRID, TO_GRID),
+    CALL(grid_union, GRID | OTHER, TO_GRID), CALL(grid_intersection, GRID | OTHER, TO_GRID), CALL(grid_subtract, GRID | OTHER, TO_GRID),
+    CALL(grid_xor, GRID | OTHER, TO_GRID), CALL(grid_complement, GRID, TO_GRID), CALL(grid_resample, GRID | LATTICE, TO_GRID),
+    CALL(grid_downsample, GRID, TO_GRID), CALL(grid_coverage, GRID | SLOT | SECOND, PLAIN), CALL(grid_content, GRID, PLAIN),
+    CALL(grid_crop, GRID, TO_GRID), CALL(grid_pad, GRID, TO_GRID), CALL(grid_permute, GRID, TO_GRID),
+    CALL(voxelize_surface, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID), CALL(grid_dilate, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_erode, GRID | OPTIONS | RESERVED, TO_GRID), CALL(grid_open, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_close, GRID | OPTIONS | RESERVED, TO_GRID), CALL(grid_hollow, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_distance, GRID | OPTIONS | RESERVED, PLAIN), CALL(grid_distance_squares, GRID | OPTIONS | RESERVED, PLAIN),
+    CALL(refine, MESH | LATTICE | OPTIONS | RESERVED, TO_TREE), CALL(refine_choose, MESH | OPTIONS | INNER, PLAIN),
+    CALL(octree_lattice, TREE, PLAIN), CALL(octree_count, TREE, PLAIN), CALL(octree_at, TREE, PLAIN), CALL(octree_find, TREE, PLAIN),
+    CALL(octree_cast, TREE, PLAIN), CALL(octree_expand, TREE, TO_GRID), CALL(octree_leaves, TREE | SECOND | SLOT, PLAIN),
+    CALL(octree_neighbours, TREE | SECOND | SLOT, PLAIN),
+    CALL(extract_octree, INNER | TREE | OPTIONS | RESERVED, TO_MESH), CALL(voxelize_points, POINTS | LATTICE | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_components, GRID | SECOND | SLOT, PLAIN), CALL(grid_label, GRID | SLOT, PLAIN),
+    CALL(grid_keep, GRID | OPTIONS | RESERVED, TO_GRID), CALL(grid_fill_cavities, GRID, TO_GRID), CALL(grid_topology, GRID, PLAIN),
+    CALL(extract_count, GRID | OPTIONS | RESERVED | SECOND, PLAIN), CALL(extract_surface, GRID | OPTIONS | RESERVED, TO_MESH),
+    CALL(faces_count, GRID | OPTIONS | RESERVED | SECOND, PLAIN), CALL(extract_faces, GRID | OPTIONS | RESERVED, TO_MESH),
+    CALL(mesh_merge, BODY, TO_MESH), CALL(threshold, VOLUME, TO_GRID), CALL(extract_scalar, VOLUME | OPTIONS | RESERVED, TO_MESH),
+    CALL(list_labels, VOLUME | SECOND | SLOT, PLAIN), CALL(read_volume, BYTES | OPTIONS | RESERVED, TO_VOLUME),
+    CALL(measure_field, INNER | MESH | LATTICE | OPTIONS | RESERVED, TO_FIELD), CALL(field_dense, FIELD, PLAIN),
+    CALL(extract_field_surface, FIELD | OPTIONS | RESERVED, TO_MESH), CALL(boolean, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(build_lods, GRID | OPTIONS | RESERVED, TO_MESH), CALL(build_sections, SECTIONS | OPTIONS, TO_MESH),
+    CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS), CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(write_mesh, BODY, TO_BUFFER), CALL(write_grid, GRID, TO_BUFFER), CALL(write_octree, TREE, TO_BUFFER),
+    CALL(write_field, FIELD, TO_BUFFER), CALL(write_lattice, GRID, TO_BUFFER), CALL(write_head, LATTICE, TO_BUFFER),
+    CALL(write_slices, GRID, TO_BUFFER), CALL(write_sections, SECTIONS, TO_BUFFER), CALL(write_png, IMAGE, TO_BUFFER),
+    CALL(render_mesh, MESH | OPTIONS | RESERVED, TO_IMAGE), CALL(render_grid, GRID | OPTIONS | RESERVED, TO_IMAGE),
+    CALL(render_difference, GRID | OTHER | OPTIONS | RESERVED, TO_IMAGE), CALL(render_slices, GRID | OPTIONS | RESERVED, TO_IMAGE),
+    CALL(read_grid, BYTES, TO_GRID), CALL(read_lattice, BYTES | SECOND | SLOT, PLAIN),
+    CALL(read_sections, OPTIONS | RESERVED, TO_SECTIONS), CALL(mesh_carry, BODY | SECOND | SLOT, PLAIN),
+};
+enum { CALLS = sizeof calls / sizeof calls[0] };
+
+/* ---- The right world: a box of 8 x 8 x 8 voxels with a cube, and all that comes of it ---- */
+
+static float corner[8][3];
+static uint32_t cube[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                               {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+static uint8_t samples[512];
+static bvx_mesh_view mesh, points;
+static bvx_lattice lattice;
+static bvx_grid solid;
+static bvx_octree *tree;
+static bvx_field field;
+static bvx_sections sections;
+static bvx_volume_view volume;
+static bvx_mesh body;
+static bvx_image image;
+static bvx_buffer npy, json;
+static uint64_t second[64];
+static result out;
+
+static world right_world(bvx_context *ctx)
+{
+    world w = {0};
+    w.ctx = ctx;
+    w.mesh = &mesh;
+    w.points = &points;
+    w.lattice = &lattice;
+    w.grid = w.other = &solid;
+    w.tree = tree;
+    w.field = &field;
+    w.sections = &sections;
+    w.volume = &volume;
+    w.body = &body;
+    w.image = &image;
+    w.file = &npy;
+    w.lattice_file = &json;
+    w.out = &out;
+    w.second = second;
+    return w;
+}
+
+#define MADE(call) TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, call, bvx_last_message(ctx))
+static void make_world(bvx_context *ctx)
+{
+    bvx_refine_options r;
+    bvx_field_options f;
+    bvx_slice_options s;
+    bvx_render_options p;
+    bvx_extract_options e;
+    for (int v = 0; v < 8; v++)
+        for (int a = 0; a < 3; a++) corner[v][a] = (v >> a & 1) != 0 ? 6.75f : 1.25f;
+    mesh.positions = corner;
+    mesh.indices = cube;
+    mesh.vertex_count = 8;
+    mesh.triangle_count = 12;
+    mesh.position_type = BVX_F32;
+    mesh.index_type = BVX_U32;
+    points = mesh;
+    points.indices = NULL;
+    points.triangle_count = 0;
+    MADE(bvx_lattice_make(ctx, unit_origin, unit_spacing, eight, &lattice));
+    MADE(bvx_voxelize_solid(ctx, &mesh, &lattice, NULL, &solid));
+    bvx_refine_options_init(&r, sizeof r);
+    r.levels = 1;
+    MADE(bvx_refine(ctx, &mesh, &lattice, &r, &tree));
+    bvx_field_options_init(&f, sizeof f);
+    f.half_width = 2;
+    MADE(bvx_measure_field(ctx, &mesh, &lattice, &f, &field));
+    bvx_slice_options_init(&s, sizeof s);
+    s.spacing = 1;
+    MADE(bvx_slice_mesh(ctx, &mesh, &s, &sections));
+    for (int i = 0; i < 512; i++) samples[i] = (uint8_t)(i % 8 > 2 && i % 8 < 6);
+    volume.samples = samples;
+    volume.sample_type = BVX_SAMPLE_U8;
+    volume.lattice = lattice;
+    for (int a = 0; a < 3; a++) volume.size[a] = 8;
+    bvx_extract_options_init(&e, sizeof e);
+    e.keys = 1; /* for merging */
+    MADE(bvx_extract_surface(ctx, &solid, &e, &body));
+    MADE(bvx_extract_surface(ctx, &solid, NULL, &coloured));
+    bvx_render_options_init(&p, sizeof p);
+    p.width = p.height = 8;
+    MADE(bvx_render_mesh(ctx, &mesh, &p, &image));
+    MADE(bvx_write_grid(ctx, &solid, BVX_FORMAT_NPY, &npy));
+    MADE(bvx_write_lattice(ctx, &solid, &json));
+}
+
+static void free_world(bvx_context *ctx)
+{
+    bvx_buffer_free(ctx, &npy);
+    bvx_buffer_free(ctx, &json);
+    bvx_image_free(ctx, &image);
+    bvx_mesh_free(ctx, &body);
+    bvx_mesh_free(ctx, &coloured);
+    bvx_sections_free(ctx, &sections);
+    bvx_field_free(ctx, &field);
+    bvx_octree_free(ctx, tree);
+    tree = NULL;
+    bvx_grid_free(ctx, &solid);
+}
+
+static void free_result(bvx_context *ctx, int to)
+{
+    switch (to) {
+    case TO_GRID: bvx_grid_free(ctx, &out.grid); break;
+    case TO_MESH: bvx_mesh_free(ctx, &out.mesh); break;
+    case TO_BUFFER: bvx_buffer_free(ctx, &out.buffer); break;
+    case TO_TREE: bvx_octree_free(ctx, out.tree); break;
+    case TO_FIELD: bvx_field_free(ctx, &out.field); break;
+    case TO_SECTIONS: bvx_sections_free(ctx, &out.sections); break;
+    case TO_IMAGE: bvx_image_free(ctx, &out.image); break;
+    case TO_VOLUME: bvx_volume_free(ctx, &out.volume); break;
+    case TO_CLOSEST: bvx_closest_free(ctx, out.closest); break;
+    default: break;
+    }
+    memset(&out, 0, sizeof out);
+}
+
+/* ---- Damages ---- */
+
+static bvx_mesh_view bad_mesh;
+static bvx_lattice bad_lattice;
+static bvx_grid bad_grid;
+static bvx_field bad_field;
+static bvx_sections bad_sections;
+static bvx_volume_view bad_volume;
+static bvx_mesh bad_body;
+static bvx_image bad_image;
+static bvx_buffer bad_file;
+static float bad_corner[8][3];
+static uint32_t bad_cube[12][3];
+
+enum {
+    NO_CONTEXT, NO_OUT, USED_OUT, NO_SECOND, OPTIONS_SIZE, OPTIONS_RESERVED,
+    NO_MESH, MESH_TYPE, MESH_STRIDE, MESH_ARRAY, MESH_RESERVED, MESH_NUMBER, MESH_NAN,
+    NO_POINTS, POINTS_TYPE, POINTS_NAN, NO_LATTICE, LATTICE_DIMS, LATTICE_SPACING, LATTICE_NAN,
+    NO_GRID, GRID_WORDS, GRID_SIZE, GRID_ROW, GRID_LATTICE, NO_OTHER, OTHER_WORDS, OTHER_ROW, NO_TREE,
+    NO_FIELD, FIELD_TYPE, FIELD_ROWS, NO_SECTIONS, SECTIONS_RESERVED, SECTIONS_NORMAL, SECTIONS_POINTS, SECTIONS_COUNT,
+    NO_VOLUME, VOLUME_TYPE, VOLUME_SAMPLES, VOLUME_RESERVED, NO_BODY, BODY_TYPE, BODY_ARRAY, BODY_RESERVED,
+    NO_IMAGE, IMAGE_SIZE, IMAGE_PIXELS, NO_BYTES, NO_SIZE, DAMAGES
+};
+static const char *const damage_name[DAMAGES] = {
+    "no context", "no result", "a result in use", "no second result", "options of size 1", "options with something reserved",
+    "no mesh", "a mesh of no type", "a mesh with a short stride", "a mesh without positions", "a mesh with something reserved",
+    "a vertex number too high", "a position that is no number", "no points", "points of no type", "a point that is no number",
+    "no lattice", "a lattice without voxels", "a lattice of negative voxels", "a lattice nowhere",
+    "no grid", "a grid without words", "a grid without voxels", "a grid with wrong rows", "a grid outside its lattice",
+    "no other grid", "another grid without words", "another grid with wrong rows", "no tree",
+    "no field", "a field of no type", "a field without rows", "no sections", "sections with something reserved",
+    "sections without a normal", "sections without points", "too many sections", "no volume", "a volume of no type", "a volume without samples",
+    "a volume with something reserved", "no body", "a body of no type", "a body without triangles", "a body with something reserved",
+    "no image", "an image without pixels", "an image without memory", "no bytes", "a file of no bytes"
+};
+
+/* 0 when the call has nothing that this damage could be done to. */
+static int do_damage(const call *c, int damage, world *w)
+{
+    int const takes = c->takes;
+    switch (damage) {
+    case NO_CONTEXT: w->ctx = NULL; return 1;
+    case NO_OUT: w->out = NULL; return (takes & SLOT) == 0;
+    case NO_SECOND: w->second = NULL; return (takes & SECOND) != 0;
+    case USED_OUT:
+        memset(out.plain, 0x40, sizeof out);
+        return c->to == TO_BUFFER || c->to == TO_TREE || c->to == TO_FIELD || c->to == TO_IMAGE || c->to == TO_SECTIONS;
+    case OPTIONS_SIZE: w->wrong_size = 1; return (takes & OPTIONS) != 0;
+    case OPTIONS_RESERVED: w->wrong_reserved = 1; return (takes & RESERVED) != 0;
+    case NO_MESH: w->mesh = NULL; return (takes & MESH) != 0;
+    case NO_POINTS: w->points = NULL; return (takes & POINTS) != 0;
+    case NO_LATTICE: w->lattice = NULL; return (takes & LATTICE) != 0;
+    case NO_GRID: w->grid = NULL; return (takes & GRID) != 0;
+    case NO_OTHER: w->other = NULL; return (takes & OTHER) != 0;
+    case NO_TREE: w->tree = NULL; return (takes & TREE) != 0;
+    case NO_FIELD: w->field = NULL; return (takes & FIELD) != 0;
+    case NO_SECTIONS: w->sections = NULL; return (takes & SECTIONS) != 0;
+    case NO_VOLUME: w->volume = NULL; return (takes & VOLUME) != 0;
+    case NO_BODY: w->body = NULL; return (takes & BODY) != 0;
+    case NO_IMAGE: w->image = NULL; return (takes & IMAGE) != 0;
+    case NO_BYTES: bad_file = npy; bad_file.bytes = NULL; w->file = w->lattice_file = &bad_file; return (takes & BYTES) != 0;
+    case NO_SIZE: bad_file = npy; bad_file.size = 0; w->file = &bad_file; return (takes & BYTES) != 0 && c->make != read_lattice; /* a fault of its text */
+    default: break;
+    }
+    if (damage >= MESH_TYPE && damage <= MESH_NAN) {
+        bad_mesh = mesh;
+        memcpy(bad_corner, corner, sizeof corner);
+        memcpy(bad_cube, cube, sizeof cube);
+        bad_mesh.positions = bad_corner;
+        bad_mesh.indices = bad_cube;
+        w->mesh = &bad_mesh;
+        switch (damage) {
+        case MESH_TYPE: bad_mesh.position_type = 9; break;
+        case MESH_STRIDE: bad_mesh.position_stride = 8; break;
+        case MESH_ARRAY: bad_mesh.positions = NULL; break;
+        case MESH_RESERVED: bad_mesh.reserved = 1; break;
+        case MESH_NUMBER: bad_cube[7][1] = 8; break;
+        default: bad_corner[5][1] = NAN; break;
+        }
+        return (takes & MESH) != 0;
+    }
+    if (damage == POINTS_TYPE || damage == POINTS_NAN) {
+        bad_mesh = points;
+        memcpy(bad_corner, corner, sizeof corner);
+        bad_mesh.positions = bad_corner;
+        if (damage == POINTS_TYPE) bad_mesh.position_type = 9;
+        else bad_corner[5][1] = NAN;
+        w->points = &bad_mesh;
+        return (takes & POINTS) != 0;
+    }
+    if (damage >= LATTICE_DIMS && damage <= LATTICE_NAN) {
+        bad_lattice = lattice;
+        if (damage == LATTICE_DIMS) bad_lattice.dims[1] = 0;
+        else if (damage == LATTICE_SPACING) bad_lattice.spacing[2] = -1;
+        else bad_lattice.origin[0] = (double)NAN;
+        w->lattice = &bad_lattice;
+        return (takes & LATTICE) != 0;
+    }
+    if ((damage >= GRID_WORDS && damage <= GRID_LATTICE) || damage == OTHER_WORDS || damage == OTHER_ROW) {
+        bad_grid = solid;
+        switch (damage) {
+        case GRID_WORDS: case OTHER_WORDS: bad_grid.words = NULL; break;
+        case GRID_SIZE: bad_grid.size[0] = 0; break;
+        case GRID_LATTICE: bad_grid.low[2] = 1; break;
+        default: bad_grid.words_per_row = 2; break;
+        }
+        if (damage <= GRID_LATTICE) w->grid = &bad_grid;
+        else w->other = &bad_grid;
+        return (takes & (damage <= GRID_LATTICE ? GRID : OTHER)) != 0;
+    }
+    if (damage == FIELD_TYPE || damage == FIELD_ROWS) {
+        bad_field = field;
+        if (damage == FIELD_TYPE) bad_field.value_type = 9;
+        else bad_field.row_values = NULL;
+        w->field = &bad_field;
+        return (takes & FIELD) != 0;
+    }
+    if (damage >= SECTIONS_RESERVED && damage <= SECTIONS_COUNT) {
+        bad_sections = sections;
+        if (damage == SECTIONS_RESERVED) bad_sections.reserved = 1;
+        else if (damage == SECTIONS_NORMAL) memset(bad_sections.normal, 0, sizeof bad_sections.normal);
+        else if (damage == SECTIONS_POINTS) bad_sections.points = NULL;
+        else bad_sections.section_count = (uint64_t)1 << 40;
+        w->sections = &bad_sections;
+        return (takes & SECTIONS) != 0;
+    }
+    if (damage >= VOLUME_TYPE && damage <= VOLUME_RESERVED) {
+        bad_volume = volume;
+        if (damage == VOLUME_TYPE) bad_volume.sample_type = 99;
+        else if (damage == VOLUME_SAMPLES) bad_volume.samples = NULL;
+        else bad_volume.reserved[2] = 1;
+        w->volume = &bad_volume;
+        return (takes & VOLUME) != 0;
+    }
+    if (damage >= BODY_TYPE && damage <= BODY_RESERVED) {
+        bad_body = body;
+        if (damage == BODY_TYPE) bad_body.position_type = 9;
+        else if (damage == BODY_ARRAY) bad_body.triangles = NULL;
+        else bad_body.reserved[1] = 1;
+        w->body = &bad_body;
+        return (takes & BODY) != 0;
+    }
+    bad_image = image;
+    if (damage == IMAGE_SIZE) bad_image.height = 0;
+    else bad_image.pixels = NULL;
+    w->image = &bad_image;
+    return (takes & IMAGE) != 0;
+}
+
+/* NULL, or what was wrong with the refusal. */
+static const char *wrong_refusal(const call *c, const world *w, bvx_context *ctx, uint64_t held, bvx_status status)
+{
+    static result before;
+    memset(&before, out.plain[0], sizeof before);
+    if (status == BVX_OK) return "was not refused";
+    if (status != BVX_ERR_ARGUMENT && w->ctx == NULL) return "gives another status";
+    if (memcmp(&before, &out, sizeof out) != 0) return "wrote something";
+    if (bvx_memory_used(ctx) != held) return "kept memory";
+    if (w->ctx != NULL && strstr(bvx_last_message(ctx), (c->takes & INNER) != 0 ? "bvx_" : c->name) == NULL) return "gives a message that does not name the function";
+    return NULL;
+}
+
+static void test_every_call_refuses_every_damage(void)
+{
+    bvx_context *ctx = NULL;
+    int wrong = 0, refusals = 0;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    make_world(ctx);
+    for (int i = 0; i < CALLS; i++) {
+        world w = right_world(ctx);
+        uint64_t held;
+        bvx_status status;
+        memset(&out, 0, sizeof out);
+        memset(second, 0, sizeof second);
+        status = calls[i].make(&w);
+        if (status != BVX_OK) {
+            printf("%s: %s\n", calls[i].name, bvx_last_message(ctx));
+            wrong++;
+        }
+        free_result(ctx, calls[i].to);
+        held = bvx_memory_used(ctx);
+        for (int damage = 0; damage < DAMAGES; damage++) {
+            const char *what;
+            w = right_world(ctx);
+            memset(&out, 0, sizeof out);
+            if (!do_damage(&calls[i], damage, &w)) continue;
+            status = calls[i].make(&w);
+            what = wrong_refusal(&calls[i], &w, ctx, held, status);
+            if (what != NULL) {
+                printf("%s with %s %s: %s\n", calls[i].name, damage_name[damage], what, bvx_last_message(ctx));
+                wrong++;
+                if (status == BVX_OK) free_result(ctx, calls[i].to);
+            }
+            refusals++;
+        }
+    }
+    free_world(ctx);
+    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
+    bvx_context_destroy(ctx);
+    TEST_ASSERT_EQUAL_INT(0, wrong);
+    TEST_ASSERT_GREATER_THAN_INT(600, refusals);
+}
+
+typedef struct choice {
+    const char *name; /* of the call, and of the field in the message below */
+    bvx_status (*make)(const world *w);
+    size_t at, size;
+    double value; /* becomes the field's type */
+} choice;
+#define BAD(call, kind, field, value) {"bvx_" #call " with " #field " = " #value, call, offsetof(bvx_##kind##_options, field), \
+    sizeof ((bvx_##kind##_options *)0)->field, value}
+#define BAD_SWITCH(call, kind, field) BAD(call, kind, field, 2), BAD(call, kind, field, -1)
+#define BAD_SURFACE(call, kind) BAD(call, kind, face_rule, 9), BAD(call, kind, face_rule, -1), BAD(call, kind, position_type, 9), \
+    BAD_SWITCH(call, kind, local_frame)
+
+/* Options outside of what the header allows; fields of 4 bytes are whole numbers, those of 8 are doubles. */
+static void test_choices_out_of_range(void)
+{
+    static const choice bad[] = {
+        BAD(lattice_fit_with, lattice, padding, -1), BAD(voxelize_solid, voxelize, fill, 99), BAD(voxelize_solid, voxelize, fill, -1),
+        BAD(voxelize_solid, voxelize, close_gaps, -1), BAD_SWITCH(voxelize_solid, voxelize, add_shell),
+        BAD_SWITCH(voxelize_solid, voxelize, check_edges), BAD(voxelize_solid, voxelize, axis, 3),
+        BAD(compare_fills, compare_fills, close_gaps, -1), BAD(compare_fills, compare_fills, close_gaps, 1 << 30),
+        BAD(voxelize_surface, surface, mode, 99), BAD(voxelize_surface, surface, mode, -1), BAD(grid_dilate, morph, neighbourhood, 5),
+        BAD(grid_erode, morph, steps, -1), BAD(grid_open, morph, beyond, 2), BAD(grid_close, morph, radius, -1),
+        BAD(grid_hollow, hollow, drain_side, 7), BAD(grid_hollow, hollow, drain_side, -1), BAD_SWITCH(grid_hollow, hollow, drain_placed),
+        BAD_SWITCH(grid_hollow, hollow, beyond), BAD(grid_hollow, hollow, drain_radius, -1), BAD(grid_distance, distance, side, 9),
+        BAD(grid_distance, distance, beyond, 9), BAD(grid_distance_squares, distance, side, -1), BAD(refine, refine, start_level, 7),
+        BAD(refine, refine, start_level, -2), BAD(refine, refine, outer_levels, 5), BAD(refine, refine, outer_levels, -1),
+        BAD(refine, refine, tolerance, -1), BAD(refine, refine, tolerance, (double)INFINITY), BAD(refine, refine, tolerance, (double)NAN),
+        BAD(voxelize_points, points, minimum, 0), BAD(voxelize_points, points, body, 9), BAD(voxelize_points, points, close_gaps, -1),
+        BAD(grid_keep, keep, connectivity, 7), BAD_SURFACE(extract_surface, extract), BAD(extract_surface, extract, open_sides, 64),
+        BAD_SWITCH(extract_surface, extract, keys), BAD(extract_octree, extract, face_rule, 9), BAD(extract_count, extract, position_type, 9),
+        BAD(extract_faces, faces, position_type, 9), BAD_SWITCH(extract_faces, faces, local_frame), BAD_SWITCH(extract_faces, faces, merged),
+        BAD_SURFACE(extract_scalar, scalar), BAD_SWITCH(extract_scalar, scalar, below), BAD(extract_scalar, scalar, open_sides, 64), BAD(extract_scalar, scalar, open_sides, -1),
+        BAD_SWITCH(extract_scalar, scalar, keys), BAD(measure_field, field, sign, 99), BAD(measure_field, field, sign, -1),
+        BAD(measure_field, field, value_type, 9), BAD_SWITCH(measure_field, field, no_vectors), BAD_SWITCH(measure_field, field, features),
+        BAD_SURFACE(extract_field_surface, field_surface), BAD(extract_field_surface, field_surface, interpolation, 99),
+        BAD(extract_field_surface, field_surface, interpolation, -1), BAD_SWITCH(extract_field_surface, field_surface, sharp),
+        BAD_SURFACE(boolean, boolean), BAD(boolean, boolean, fill, 99), BAD(boolean, boolean, interpolation, 99),
+        BAD_SWITCH(boolean, boolean, sharp), BAD(build_lods, lod, method, 9), BAD(build_lods, lod, method, -1),
+        BAD(build_lods, lod, edge_samples, -1), BAD(build_lods, lod, threshold, (double)NAN), BAD_SURFACE(build_lods, lod),
+        BAD(build_lods, lod, collapse, -1), BAD(build_sections, sections, layers, -1), BAD(build_sections, sections, caps, 9),
+        BAD(build_sections, sections, crossings, 9), BAD(build_sections, sections, depth, -1), BAD(build_sections, sections, depth, 99),
+        BAD(build_sections, sections, position_type, 9), BAD(build_sections, sections, spacing, -1), BAD(slice_mesh, slice, label, BVX_LABEL_ONLY),
+        BAD_SURFACE(repair, repair), BAD(repair, repair, sign, 99), BAD(repair, repair, sign, -1), BAD(repair, repair, sign, BVX_SIGN_NORMAL),
+        BAD(repair, repair, interpolation, 99), BAD_SWITCH(repair, repair, sharp), BAD_SWITCH(repair, repair, measure),
+        BAD(repair, repair, shell, 0.5), BAD(repair, repair, shell, (double)NAN), BAD(repair, repair, shell, 1e7),
+        BAD(read_sections, read_sections, close_gap, -1), BAD(read_sections, read_sections, close_gap, (double)NAN),
+        BAD(render_mesh, render, samples, -1), BAD(render_mesh, render, samples, 99), BAD_SWITCH(render_mesh, render, smooth),
+        BAD_SWITCH(render_mesh, render, wireframe), BAD(render_grid, render, samples, 99),
+    };
+    bvx_context *ctx = NULL;
+    int wrong = 0;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    make_world(ctx);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        int32_t const whole = bad[i].value - bad[i].value == 0.0 && bad[i].value < 2147483648.0 && bad[i].value >= -2147483648.0 ? (int32_t)bad[i].value : 0;
+        uint64_t const held = bvx_memory_used(ctx);
+        world w = right_world(ctx);
+        bvx_status status;
+        memset(&out, 0, sizeof out);
+        w.bad_at = bad[i].at;
+        w.bad_size = bad[i].size;
+        w.bad = bad[i].size == 4 ? (const void *)&whole : (const void *)&bad[i].value;
+        status = bad[i].make(&w);
+        if ((status != BVX_ERR_ARGUMENT && status != BVX_ERR_RANGE) || bvx_memory_used(ctx) != held) {
+            printf("%s: status %d, %s\n", bad[i].name, (int)status, bvx_last_message(ctx));
+            wrong++;
+        }
+    }
+    free_world(ctx);
+    bvx_context_destroy(ctx);
+    TEST_ASSERT_EQUAL_INT(0, wrong);
+}
+
+/* What is not there, or empty, needs no memory back; without a context nothing can go back and nothing is touched. */
+static void test_nothing_is_freed(void)
+{
+    bvx_context *ctx = NULL;
+    bvx_attached attached;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    for (int given = 0; given < 2; given++) {
+        bvx_context *const c = given ? ctx : NULL;
+        bvx_grid_free(c, NULL);
+        bvx_mesh_free(c, NULL);
+        bvx_buffer_free(c, NULL);
+        bvx_octree_free(c, NULL);
+        bvx_field_free(c, NULL);
+        bvx_sections_free(c, NULL);
+        bvx_image_free(c, NULL);
+        bvx_volume_free(c, NULL);
+        bvx_closest_free(c, NULL);
+        bvx_attached_free(c, NULL);
+        memset(&out, 0, sizeof out);
+        memset(&attached, 0, sizeof attached);
+        bvx_grid_free(c, &out.grid);
+        bvx_mesh_free(c, &out.mesh);
+        bvx_buffer_free(c, &out.buffer);
+        bvx_field_free(c, &out.field);
+        bvx_sections_free(c, &out.sections);
+        bvx_image_free(c, &out.image);
+        bvx_volume_free(c, &out.volume);
+        bvx_attached_free(c, &attached);
+    }
+    make_world(ctx);
+    {
+        uint64_t const held = bvx_memory_used(ctx);
+        bvx_grid const grid_before = solid;
+        bvx_mesh const body_before = body;
+        bvx_buffer const npy_before = npy;
+        bvx_grid_free(NULL, &solid);
+        bvx_mesh_free(NULL, &body);
+        bvx_buffer_free(NULL, &npy);
+        TEST_ASSERT_EQUAL_UINT64(held, bvx_memory_used(ctx));
+        TEST_ASSERT_EQUAL_MEMORY(&grid_before, &solid, sizeof solid);
+        TEST_ASSERT_EQUAL_MEMORY(&body_before, &body, sizeof body);
+        TEST_ASSERT_EQUAL_MEMORY(&npy_before, &npy, sizeof npy);
+    }
+    bvx_mesh_view_of(NULL, &bad_mesh);
+    TEST_ASSERT_NULL(bad_mesh.positions);
+    TEST_ASSERT_EQUAL_UINT64(0, bad_mesh.triangle_count);
+    bvx_mesh_view_of(&body, NULL);
+    free_world(ctx);
+    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
+    bvx_context_destroy(ctx);
+    bvx_context_destroy(NULL);
+}
+
+static void expect_refused(bvx_context *ctx, bvx_status status, const char *name)
+{
+    TEST_ASSERT_TRUE_MESSAGE(status == BVX_ERR_ARGUMENT || status == BVX_ERR_RANGE, name);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), name), bvx_last_message(ctx));
+}
+
+/* No memory holds so many bytes or numbers, so they are refused before one is read; and of none there is nothing to do. */
+static void test_sizes_beyond_memory_and_none(void)
+{
+    static const uint64_t sizes[] = {UINT64_MAX, UINT64_MAX - 63, (uint64_t)SIZE_MAX / 2 + 1};
+    static const char text[] = "x";
+    bvx_context *ctx = NULL;
+    bvx_closest *closest = NULL;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    make_world(ctx);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &mesh, &closest));
+    memset(&out, 0, sizeof out);
+    for (int i = 0; i < 3; i++) {
+        uint64_t const n = sizes[i];
+        bvx_read_volume_options o;
+        expect_refused(ctx, bvx_read_mesh(ctx, text, n, BVX_FORMAT_PLY, &out.mesh), "bvx_read_mesh");
+        expect_refused(ctx, bvx_read_points(ctx, text, n, BVX_FORMAT_XYZ, &out.mesh), "bvx_read_points");
+        expect_refused(ctx, bvx_read_grid(ctx, text, n, BVX_FORMAT_NPY, NULL, &out.grid), "bvx_read_grid");
+        expect_refused(ctx, bvx_read_octree(ctx, text, n, &out.tree), "bvx_read_octree");
+        expect_refused(ctx, bvx_read_sections(ctx, text, n, BVX_FORMAT_CSV, NULL, &out.sections), "bvx_read_sections");
+        expect_refused(ctx, bvx_read_sections(ctx, text, n, BVX_FORMAT_CSL, NULL, &out.sections), "bvx_read_sections");
+        expect_refused(ctx, bvx_read_volume(ctx, text, n, BVX_FORMAT_NRRD, NULL, &out.volume), "bvx_read_volume");
+        expect_refused(ctx, bvx_volume_data_name(ctx, text, n, 0, NULL, 0, second), "bvx_volume_data_name");
+        bvx_read_volume_options_init(&o, sizeof o);
+        o.data = text;
+        o.data_size = n;
+        expect_refused(ctx, bvx_read_volume(ctx, text, 1, BVX_FORMAT_NRRD, &o, &out.volume), "bvx_read_volume");
+        expect_refused(ctx, bvx_grid_cast(ctx, &solid, a_ray, n, 1, (bvx_ray_hit *)&out), "bvx_grid_cast");
+        expect_refused(ctx, bvx_grid_sample(ctx, &solid, a_point, n, (double *)&out, NULL), "bvx_grid_sample");
+        expect_refused(ctx, bvx_closest_find(ctx, closest, a_point, n, (bvx_closest_point *)&out), "bvx_closest_find");
+    }
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_at(ctx, tree, NULL, 0, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_find(ctx, tree, NULL, 0, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_cast(ctx, tree, 0, NULL, 0, 1, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_cast(ctx, &solid, NULL, 0, 1, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_sample(ctx, &solid, NULL, 0, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, closest, NULL, 0, NULL));
+    expect_refused(ctx, bvx_octree_at(ctx, tree, NULL, 1, (bvx_octree_leaf *)&out), "bvx_octree_at");
+    expect_refused(ctx, bvx_octree_find(ctx, tree, NULL, 1, (bvx_octree_leaf *)&out), "bvx_octree_find");
+    expect_refused(ctx, bvx_octree_cast(ctx, tree, 0, NULL, 1, 1, (bvx_octree_hit *)&out), "bvx_octree_cast");
+    expect_refused(ctx, bvx_octree_lattice(ctx, tree, 2, &bad_lattice), "bvx_octree_lattice");
+    expect_refused(ctx, bvx_octree_lattice(ctx, tree, -1, &bad_lattice), "bvx_octree_lattice");
+    for (int a = 0; a < 3; a++)
+        for (int over = 0; over < 2; over++) {
+            int32_t voxel[3] = {15, 15, 15};
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_at(ctx, tree, voxel, 1, (bvx_octree_leaf *)&out));
+            voxel[a] = over ? 16 : -1;
+            expect_refused(ctx, bvx_octree_at(ctx, tree, voxel, 1, (bvx_octree_leaf *)&out), "bvx_octree_at");
+        }
+    {
+        int32_t const sides[2][3] = {{1 << 25, 1 << 25, 1 << 25}, {1 << 25, 1 << 25, 1 << 19}}; /* 2^69 words, 2^63 words */
+        int32_t const blocks[2][3] = {{65536, 65536, 1}, {65536, 65535, 2}};
+        bvx_window const voxel = {{0, 0, 0}, {1, 1, 1}};
+        for (int i = 0; i < 2; i++) {
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, unit_origin, unit_spacing, sides[i], &bad_lattice));
+            TEST_ASSERT_EQUAL_UINT64(0, bvx_grid_bound(&bad_lattice, NULL));
+            memset(&out, 0, sizeof out);
+            expect_refused(ctx, bvx_grid_create(ctx, &bad_lattice, NULL, &out.grid), "bvx_grid_create");
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &bad_lattice, &voxel, &out.grid));
+            expect_refused(ctx, bvx_grid_coverage(ctx, &out.grid, blocks[i], NULL, 0, second), "bvx_grid_coverage");
+            bvx_grid_free(ctx, &out.grid);
+        }
+    }
+    for (int a = 0; a < 3; a++)
+        for (int over = 0; over < 2; over++) {
+            int32_t v[3] = {0, 0, 0};
+            v[a] = over ? 8 : -1;
+            TEST_ASSERT_EQUAL_HEX64(UINT64_MAX, bvx_field_value(&field, v[0], v[1], v[2]));
+        }
+    TEST_ASSERT_EQUAL_HEX64(UINT64_MAX, bvx_field_value(NULL, 0, 0, 0));
+    bvx_closest_free(ctx, closest);
+    free_world(ctx);
+    bvx_context_destroy(ctx);
+}
+
+/* Arrays of the caller's that lack something, are too small, or hold what the result would contradict. */
+static void test_a_mesh_in_the_callers_arrays(void)
+{
+    static double room[3 * 2000];
+    static uint32_t corners[3 * 4000], spare_corners[3];
+    static uint64_t keys[4000];
+    static uint8_t colours[4];
+    static float uvs[2];
+    enum { RIGHT, NO_TRIANGLES, NO_POSITIONS, OTHER_TYPE, FEW_VERTICES, FEW_TRIANGLES, VERTEX_KEYS, TRIANGLE_KEYS, COLOURS, UVS, UV_TRIANGLES, WAYS };
+    bvx_context *ctx = NULL;
+    uint64_t wanted = 0;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    make_world(ctx);
+    for (int with_keys = 0; with_keys < 2; with_keys++)
+        for (int way = 0; way < WAYS; way++) {
+            bvx_extract_options o;
+            bvx_mesh given, before;
+            bvx_status status;
+            bvx_extract_options_init(&o, sizeof o);
+            o.position_type = BVX_F64;
+            o.keys = with_keys;
+            memset(&given, 0, sizeof given);
+            given.positions = room;
+            given.triangles = corners;
+            given.vertex_capacity = 2000;
+            given.triangle_capacity = 4000;
+            given.position_type = BVX_F64;
+            if (with_keys != (way == VERTEX_KEYS)) given.vertex_keys = keys;
+            if (with_keys != (way == TRIANGLE_KEYS)) given.triangle_keys = keys;
+            if (way == NO_TRIANGLES) given.triangles = NULL;
+            if (way == NO_POSITIONS) given.positions = NULL;
+            if (way == OTHER_TYPE) given.position_type = BVX_F32;
+            if (way == FEW_VERTICES) given.vertex_capacity = 7;
+            if (way == FEW_TRIANGLES) given.triangle_capacity = 11;
+            if (way == COLOURS) given.colours = colours;
+            if (way == UVS) given.uvs = uvs;
+            if (way == UV_TRIANGLES) given.uv_triangles = spare_corners;
+            before = given;
+            status = bvx_extract_surface(ctx, &solid, &o, &given);
+            if (way == RIGHT) {
+                uint64_t hash;
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(ctx));
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &given, &hash));
+                if (wanted == 0) wanted = hash;
+                TEST_ASSERT_EQUAL_HEX64(wanted, hash);
+            } else {
+                int32_t const want = way == FEW_VERTICES || way == FEW_TRIANGLES ? BVX_ERR_CAPACITY : BVX_ERR_ARGUMENT;
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(want, status, bvx_last_message(ctx));
+                TEST_ASSERT_EQUAL_MEMORY(&before, &given, sizeof given);
+                TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_extract_surface"));
+            }
+        }
+    free_world(ctx);
+    bvx_context_destroy(ctx);
+}
+
+/* Arrays and counts of sections that contradict each other. */
+static void test_sections_that_contradict_themselves(void)
+{
+    bvx_context *ctx = NULL;
+    bvx_section_loop *loops;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    make_world(ctx);
+    loops = sections.loops;
+    for (int way = 0; way < 14; way++) {
+        bvx_section_loop const loop = loops[1];
+        double const position = sections.positions[1], x = sections.points[0];
+        bvx_buffer file = {0};
+        bad_sections = sections;
+        switch (way) {
+        case 0: bad_sections.points = NULL; break;
+        case 1: bad_sections.loops = NULL; break;
+        case 2: bad_sections.positions = NULL; break;
+        case 3: bad_sections.point_count = (uint64_t)1 << 31; break;
+        case 4: bad_sections.loop_count = (uint64_t)1 << 31; break;
+        case 5: bad_sections.section_count = (uint64_t)1 << 31; break;
+        case 6: bad_sections.reserved2[3] = 1; break;
+        case 7: loops[1].reserved = 1; break;
+        case 8: loops[1].label = BVX_LABEL_ONLY; break;
+        case 9: loops[1].section = (uint32_t)sections.section_count; break;
+        case 10: loops[1].first_point = sections.point_count + 1; break;
+        case 11: loops[1].point_count = (uint32_t)sections.point_count; break;
+        case 12: sections.positions[1] = (double)INFINITY; break;
+        default: sections.points[0] = (double)NAN; break;
+        }
+        TEST_ASSERT_TRUE(bvx_write_sections(ctx, &bad_sections, BVX_FORMAT_CSL, &file) != BVX_OK);
+        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_write_sections"));
+        TEST_ASSERT_NULL(file.bytes);
+        loops[1] = loop;
+        sections.positions[1] = position;
+        sections.points[0] = x;
+    }
+    free_world(ctx);
+    bvx_context_destroy(ctx);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_every_call_refuses_every_damage);
+    RUN_TEST(test_nothing_is_freed);
+    RUN_TEST(test_choices_out_of_range);
+    RUN_TEST(test_sizes_beyond_memory_and_none);
+    RUN_TEST(test_a_mesh_in_the_callers_arrays);
+    RUN_TEST(test_sections_that_contradict_themselves);
+    return UNITY_END();
+}
