@@ -39,17 +39,18 @@ uint64_t cli_memory_there(void)
 {
     uint64_t memory = UINT64_MAX;
 #if FILES_POSIX
+    static const char *const container[2] = {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}; /* a number, or "max" */
     struct rlimit space;
-    FILE *file;
 #if defined(_SC_PHYS_PAGES)
     long const pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
     if (pages > 0 && page > 0) memory = (uint64_t)pages * (uint64_t)page;
 #endif
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY && space.rlim_cur < memory)
         memory = (uint64_t)space.rlim_cur;
-    file = fopen("/sys/fs/cgroup/memory.max", "r"); /* Linux: a number, or "max" */
-    if (file != NULL) {
+    for (int i = 0; i < 2; i++) {
         uint64_t most;
+        FILE *const file = fopen(container[i], "r");
+        if (file == NULL) continue;
         if (fscanf(file, "%" SCNu64, &most) == 1 && most < memory) memory = most;
         fclose(file);
     }
