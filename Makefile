@@ -19,7 +19,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo python test-python test test-quick test-machines deps san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench install uninstall amalgamation clean force \
+.PHONY: all help demo python test-python test test-quick test-machines deps deps-proof san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -244,6 +244,9 @@ demo: all ## a chain of meshes from a bundled fixture, with a table and a pictur
 deps: ## install what the tests need (apt, as root)
 	@sh tests/tools/deps.sh
 
+deps-proof: ## and what matrix, fuzz, coverage, mcdc, analyze, abi and the sanitizers need
+	@sh tests/tools/deps.sh proof
+
 test: deps ## all tests; ends with "N passed, N failed"
 	@$(environment) sh tests/tools/run_tests.sh full
 
@@ -265,7 +268,7 @@ san-threads: ## unit, golden and fuzz tests under TSan, all on several threads (
 abi: library ## header by every standard, symbols, offsets here and on other machines, types against the stored ones (REWRITE=1: store)
 	@BUILD=$(BUILD) CC=$(call quote,$(CC)) sh tests/tools/abi.sh $(if $(filter-out 0,$(REWRITE)),rewrite,full)
 
-matrix: ## golden values by every compiler, flag and machine that is here (half an hour; MATRIX=row,row: only these; DEPS=1: install them)
+matrix: ## golden values by every compiler, flag and machine that is here (half an hour; MATRIX=row,row: only these; DEPS=1: deps-proof first)
 	@$(environment) MATRIX=$(call quote,$(MATRIX)) DEPS=$(DEPS) sh tests/tools/matrix.sh
 
 bare: ## the core on a Cortex-M3 without operating system, under an emulator
@@ -281,7 +284,7 @@ analyze: ## cppcheck, clang-tidy, clang's and gcc's analyzers, stack of every fu
 	@BUILD=$(BUILD) sh tests/tools/analyze.sh
 
 fuzz: ## contracts under a coverage-guided fuzzer (clang; SECONDS_EACH=60 JOBS=1 TARGETS="stl solids" KEEP=1)
-	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' SECONDS_EACH=$(or $(SECONDS_EACH),60) JOBS=$(or $(JOBS),1) TARGETS='$(TARGETS)' KEEP=$(KEEP) sh tests/tools/fuzz.sh
+	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' SECONDS_EACH=$(or $(SECONDS_EACH),60) TARGETS='$(TARGETS)' JOBS=$(or $(JOBS),1) KEEP=$(KEEP) sh tests/tools/fuzz.sh
 
 golden: $(call built,,$(golden_tests)) $(BUILD)/libbitvox.so ## recompute golden files and show what changed
 	@sh tests/tools/rewrite_golden.sh $(call built,,$(golden_tests)) $(BUILD)

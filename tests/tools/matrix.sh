@@ -2,7 +2,7 @@
 # matrix.sh - recompute the golden values by every compiler, flag, processor and system that is here, and compare their tables.
 # Called by `make matrix`, which hands over MAKE_COMMAND, BUILD and
 #     MATRIX=row,row   only these rows (names as printed)
-#     DEPS=1           install the compilers and emulators first (Debian and Ubuntu names, as root)
+#     DEPS=1           install the compilers and emulators first (make deps-proof)
 # Every row builds the golden program with its settings and runs it; the hash is of the whole table that it printed. The
 # report goes to build/matrix/report.md, with the processor time that the golden program took; rows that are asked for one
 # after another gather there for as long as the sources stay the same, and all of them must have one table. A row whose tools
@@ -23,11 +23,7 @@ logs=$matrix/logs
 TEST_SECONDS=${TEST_SECONDS:-1200}
 . tests/tools/counting.sh
 
-packages='clang clang-19 gcc-i686-linux-gnu libc6-dev-i386-cross gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf
-    libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-powerpc64le-linux-gnu libc6-dev-ppc64el-cross
-    gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user musl-tools gcc-mingw-w64-x86-64 wine64 wine emscripten nodejs
-    gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm'
-if [ -n "${DEPS:-}" ]; then PACKAGES=$packages sh tests/tools/deps.sh; fi
+if [ -n "${DEPS:-}" ]; then sh tests/tools/deps.sh proof; fi
 
 report=$matrix/report.md
 sources=$(cat include/*.h src/*/*.[ch] tests/golden/*.[ch] tests/tools/*.h Makefile | cksum | cut -d ' ' -f 1)
