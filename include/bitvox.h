@@ -1474,6 +1474,7 @@ BVX_API bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint
 /** The name of data file number index of an NRRD's detached head, as it stands there (to be looked for beside the head), with a
  *  zero byte behind it. A head from a stranger may name any file: the program and the Python package refuse what is not in its
  *  folder or below. *count becomes how many there are, 0 when the samples follow the head; name may be NULL for the count.
+ *  Each call reads the head: one whose data files times its bytes are more than 2^31 (a LIST of 60,000 names) is refused.
  *  Returns BVX_ERR_FORMAT, BVX_ERR_ARGUMENT (index not below the count), BVX_ERR_CAPACITY, BVX_ERR_UNSUPPORTED. */
 BVX_API bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_t size, uint64_t index, char *name,
                                         uint64_t capacity, uint64_t *count);
