@@ -324,8 +324,8 @@ typedef struct bvx_certificate {
 } bvx_certificate;
 
 /** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0).
- *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (index or coordinate, with its number), BVX_ERR_MEMORY, BVX_ERR_BUDGET.
- *  All vertices must be finite, used or not. A mesh without triangles is no error: its certificate says closed 0.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (index or coordinate, with its number), BVX_ERR_MEMORY, BVX_ERR_BUDGET,
+ *  BVX_CANCELLED. All vertices must be finite, used or not. A mesh without triangles is no error: its certificate says closed 0.
  *  [Limit: (2^32 - 1) / 3 triangles]
  *  Memory: about 60 bytes a triangle. Cost: O(triangles), radix sorts. Exact: all but volume and area, which are
  *  sums of doubles in triangle order and the same everywhere. */
@@ -2136,8 +2136,8 @@ BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, 
  *                 its order; a first point that is repeated at the end is left out.
  *
  * Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (planes that are not parallel, no contour format), BVX_ERR_EMPTY,
- * BVX_ERR_RANGE, BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET. Memory, the stack included: at most 40 times size and 32 KiB.
- * Cost: O(bytes).
+ * BVX_ERR_RANGE, BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory, the stack included: at most 40 times size
+ * and 32 KiB. Cost: O(bytes).
  */
 BVX_API bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                      const bvx_read_sections_options *options, bvx_sections *sections);

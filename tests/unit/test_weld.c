@@ -98,6 +98,39 @@ static void test_every_allocation_may_fail(void)
     TEST_ASSERT_EQUAL_UINT64(1, allocations);
 }
 
+static int32_t stop_at_once(void *user, const char *stage, double fraction)
+{
+    TEST_ASSERT_EQUAL_STRING("weld", stage);
+    TEST_ASSERT_TRUE(fraction >= 0.0 && fraction <= 1.0);
+    ++*(int *)user;
+    return 1;
+}
+
+static void test_many_vertices_can_be_cancelled(void)
+{
+    bvx_context_options o;
+    bvx_context *asking;
+    bvx_mesh_view v;
+    uint64_t different;
+    int asked = 0;
+    bvx_context_options_init(&o, sizeof o);
+    o.progress = stop_at_once;
+    o.progress_user = &asked;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &asking));
+    memset(&v, 0, sizeof v);
+    v.vertex_count = (1 << 20) + 5;
+    v.position_type = BVX_F32;
+    v.positions = calloc((size_t)v.vertex_count, 12);
+    uint32_t *const numbers = malloc((size_t)v.vertex_count * 4);
+    TEST_ASSERT_TRUE(v.positions != NULL && numbers != NULL);
+    TEST_ASSERT_EQUAL_INT32(BVX_CANCELLED, bvxi_weld(asking, &v, numbers, &different));
+    TEST_ASSERT_EQUAL_INT(1, asked);
+    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(asking));
+    free(numbers);
+    free((void *)(uintptr_t)v.positions);
+    bvx_context_destroy(asking);
+}
+
 /* ---- keys made to collide ---- */
 
 enum { FLOOD = 100000 };
@@ -198,6 +231,7 @@ int main(void)
     RUN_TEST(test_weld_finds_the_least_vertex_at_each_position);
     RUN_TEST(test_weld_joins_nothing_that_differs);
     RUN_TEST(test_every_allocation_may_fail);
+    RUN_TEST(test_many_vertices_can_be_cancelled);
     RUN_TEST(test_positions_made_against_the_hash);
     RUN_TEST(test_no_key_lies_deep);
     return UNITY_END();
