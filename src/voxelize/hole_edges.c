@@ -73,7 +73,7 @@ static bvx_status grow_edge_table(bvx_context *ctx, edge_table *t)
 /* ---- edges in a tree ---- */
 
 /* A bvxi_key_fn; user: the keys. */
-static void edge_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORDS])
+static void waiting_edge_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORDS])
 {
     const uint64_t *const keys = user;
     key[0] = (uint32_t)keys[number];
@@ -94,7 +94,7 @@ static void put_edge_in_tree(edge_table *t, uint64_t key, int64_t direction)
 
 static bvx_status plant_edge_tree(bvx_context *ctx, edge_table *t)
 {
-    BVXI_TRY(bvxi_key_tree_open(ctx, &t->tree, edge_key, t->key, t->size));
+    BVXI_TRY(bvxi_key_tree_open(ctx, &t->tree, waiting_edge_key, t->key, t->size));
     for (uint64_t i = 0; i < t->size; i++) { /* what is listed lies before i */
         uint64_t const key = t->key[i];
         if (key == HOLE_EMPTY) continue;
