@@ -324,8 +324,8 @@ typedef struct bvx_certificate {
 } bvx_certificate;
 
 /** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0).
- *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (index or coordinate, with its number), BVX_ERR_MEMORY, BVX_ERR_BUDGET.
- *  All vertices must be finite, used or not. A mesh without triangles is no error: its certificate says closed 0.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (index or coordinate, with its number), BVX_ERR_MEMORY, BVX_ERR_BUDGET,
+ *  BVX_CANCELLED. All vertices must be finite, used or not. A mesh without triangles is no error: its certificate says closed 0.
  *  [Limit: (2^32 - 1) / 3 triangles]
  *  Memory: about 60 bytes a triangle. Cost: O(triangles), radix sorts. Exact: all but volume and area, which are
  *  sums of doubles in triangle order and the same everywhere. */
@@ -1474,6 +1474,7 @@ BVX_API bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint
 /** The name of data file number index of an NRRD's detached head, as it stands there (to be looked for beside the head), with a
  *  zero byte behind it. A head from a stranger may name any file: the program and the Python package refuse what is not in its
  *  folder or below. *count becomes how many there are, 0 when the samples follow the head; name may be NULL for the count.
+ *  Each call reads the head: one whose data files times its bytes are more than 2^31 (a LIST of 60,000 names) is refused.
  *  Returns BVX_ERR_FORMAT, BVX_ERR_ARGUMENT (index not below the count), BVX_ERR_CAPACITY, BVX_ERR_UNSUPPORTED. */
 BVX_API bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_t size, uint64_t index, char *name,
                                         uint64_t capacity, uint64_t *count);
@@ -2135,8 +2136,8 @@ BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, 
  *                 its order; a first point that is repeated at the end is left out.
  *
  * Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (planes that are not parallel, no contour format), BVX_ERR_EMPTY,
- * BVX_ERR_RANGE, BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET. Memory, the stack included: at most 40 times size and 32 KiB.
- * Cost: O(bytes).
+ * BVX_ERR_RANGE, BVX_ERR_ARGUMENT, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory, the stack included: at most 40 times size
+ * and 32 KiB. Cost: O(bytes).
  */
 BVX_API bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                      const bvx_read_sections_options *options, bvx_sections *sections);

@@ -293,8 +293,8 @@ typedef struct cli_bytes {
 
 /* Read a file, gzip data unpacked; "-" is standard input. */
 int cli_read_file(cli_run *run, const char *path, cli_bytes *bytes);
-/* The same within a stage of the caller's. */
-int cli_read_bytes(cli_run *run, const char *path, cli_bytes *bytes);
+/* The same within a stage of the caller's, where so many bytes of other files are held already and count against the same limit. */
+int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *bytes);
 /* The format of an input by --format or its name, BVX_FORMAT_... */
 int32_t cli_input_format(const cli_run *run, const char *path);
 /* How messages call an input. */

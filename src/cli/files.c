@@ -66,13 +66,13 @@ static uint64_t bytes_ceiling(const cli_run *run)
     return memory / 2 < SIZE_MAX ? memory / 2 : SIZE_MAX;
 }
 
-/* more: the bytes that do not fit, in words. */
+/* more: the bytes that do not fit, in words; limit: what others left of the ceiling. */
 static int fail_ceiling(cli_run *run, const char *path, const char *more, uint64_t limit)
 {
     if (run->options.memory_limit != 0)
         return cli_fail(run, "%s: %s the %" PRIu64 " bytes that --memory-limit leaves for it", cli_input_name(path), more, limit);
-    return cli_fail(run, "%s: %s %" PRIu64 " bytes, half of the memory there is; --memory-limit sets another limit",
-                    cli_input_name(path), more, limit);
+    return cli_fail(run, "%s: %s %" PRIu64 " bytes, %shalf of the memory there is; --memory-limit sets another limit",
+                    cli_input_name(path), more, limit, limit < bytes_ceiling(run) ? "what is left of " : "");
 }
 
 /* Room for more bytes: as much again, within the limit. */
@@ -136,12 +136,13 @@ static size_t read_part(FILE *file, unsigned char *to, size_t want, int *error)
     return got;
 }
 
-static int read_bytes(cli_run *run, const char *path, FILE *file, cli_bytes *b)
+static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held, cli_bytes *b)
 {
-    uint64_t const limit = bytes_ceiling(run);
+    uint64_t const ceiling = bytes_ceiling(run), limit = held < ceiling ? ceiling - held : 0;
     int64_t const size = file != stdin ? size_of_file(file) : 0;
     int status;
     if (size < 0) return cli_fail(run, "%s: %s", path, strerror(errno));
+    if (limit == 0) return fail_ceiling(run, path, "is to fit into", limit);
     if ((uint64_t)size > limit) {
         char more[64];
         snprintf(more, sizeof more, "its %" PRId64 " bytes are more than", size);
@@ -255,7 +256,7 @@ int32_t cli_input_format(const cli_run *run, const char *path)
     return strcmp(path, "-") == 0 ? run->options.format : bvx_format_of_name(path);
 }
 
-int cli_read_bytes(cli_run *run, const char *path, cli_bytes *b)
+int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
 {
     int const standard = strcmp(path, "-") == 0;
     FILE *file;
@@ -267,7 +268,7 @@ int cli_read_bytes(cli_run *run, const char *path, cli_bytes *b)
     file = standard ? stdin : fopen(path, "rb");
     if (file == NULL && errno == EINTR && cli_interrupted()) return cli_fail_interrupted(run); /* while a pipe had no writer */
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
-    status = read_bytes(run, path, file, b);
+    status = read_bytes(run, path, file, held, b);
     if (!standard) fclose(file);
     if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
     cli_note_peak(run, b->size);
@@ -278,7 +279,7 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
 {
     int status;
     cli_stage_begin(run, "read");
-    status = cli_read_bytes(run, path, b);
+    status = cli_read_bytes(run, path, 0, b);
     if (status == CLI_DONE) cli_stage_end(run);
     return status;
 }

@@ -124,10 +124,11 @@ static char *data_path(const char *head, const char *name)
     return path;
 }
 
-static int add_data_file(cli_run *run, const char *path, cli_bytes *all)
+/* A head of a few bytes may name a file many times: head and data count together against the memory there is. */
+static int add_data_file(cli_run *run, const char *path, uint64_t head_size, cli_bytes *all)
 {
     cli_bytes one = {NULL, 0, 0, 0};
-    int status = cli_read_bytes(run, path, &one);
+    int status = cli_read_bytes(run, path, head_size + all->size, &one);
     if (status == CLI_DONE && all->bytes == NULL) {
         *all = one;
         return CLI_DONE;
@@ -163,7 +164,7 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
             return cli_fail(run, "%s: its samples are said to be in %s; only files in its own folder or below are read: put them there",
                             cli_input_name(head), name);
         path = data_path(head, name);
-        status = path != NULL ? add_data_file(run, path, &v->data) : cli_fail(run, "no memory for a file's name");
+        status = path != NULL ? add_data_file(run, path, v->file.size, &v->data) : cli_fail(run, "no memory for a file's name");
         free(path);
     }
     if (status == CLI_DONE) cli_stage_end(run);

@@ -1,10 +1,13 @@
 /* nrrd_files.c - the data files that a detached NRRD head names.
  *
  * Source: Kindlmann. Definition of NRRD File Format, "data file": one name; a pattern with one number (%d, %03d), the least, the
- * greatest and the step of it, for files that each hold a slice; or LIST with a name a line. */
+ * greatest and the step of it, for files that each hold a slice; or LIST with a name a line.
+ * Each name is asked for by its number, which reads the head once more: heads for which that is too much are refused. */
 #include "io/nrrd_head.h"
 
 enum { NRRD_MOST_DIGITS = 20 };
+
+#define NRRD_NAME_WORK (UINT64_C(1) << 31) /* bytes: most that asking for one name after the other may read */
 
 /* A whole number with blanks before it, at *p; 0 where none stands. */
 static int take_file_number(const char **p, const char *end, int64_t *value)
@@ -75,6 +78,13 @@ static bvx_status find_in_list(const nrrd_head *h, uint64_t index, nrrd_file_nam
     return n != 0 ? BVX_OK : bvxi_fail_expected(&h->source, h->list, "the name of a file on each line");
 }
 
+/* With its list; at least the line with the version. */
+static uint64_t nrrd_head_size(const nrrd_head *h)
+{
+    const char *const end = h->list != NULL ? h->list_end : h->data != NULL ? h->data : h->source.end;
+    return (uint64_t)(end - h->source.begin);
+}
+
 bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_name *file, uint64_t *count)
 {
     int64_t range[3], axes;
@@ -89,5 +99,7 @@ bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_nam
     }
     if (*count > 1 && (h->encoding == NRRD_GZIP || h->line_skip != 0 || h->byte_skip != 0))
         return bvxi_nrrd_unsupported(h, h->files, "several data files that are packed, or whose beginning is to be skipped");
+    if (*count > NRRD_NAME_WORK / nrrd_head_size(h))
+        return bvxi_nrrd_unsupported(h, h->files, "data files times bytes of the head are more than 2^31");
     return BVX_OK;
 }

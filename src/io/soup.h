@@ -2,6 +2,7 @@
 #ifndef BVXI_SOUP_H
 #define BVXI_SOUP_H
 
+#include "core/key_tree.h"
 #include "io/formats.h"
 
 enum { BVXI_SOUP_BATCH = 256 }; /* triangles */
@@ -11,7 +12,9 @@ typedef struct bvxi_soup {
     bvxi_source *source;
     float *positions;        /* scratch */
     uint32_t *triangles;     /* scratch, or the result when the count is known */
-    uint32_t *table;         /* vertex number plus 1, or 0; scratch, size a power of two, at most half full */
+    uint32_t *table;         /* vertex number plus 1, or 0; scratch, size a power of two, at most half full; NULL: the tree is used */
+    bvxi_key_tree tree;
+    uint64_t probes;         /* steps from slot to slot of the table */
     uint64_t vertex_count, vertex_room, triangle_count, triangle_room, table_size;
     int32_t triangle_kind;   /* BVXI_RESULT or BVXI_SCRATCH */
     uint32_t waiting;        /* triangles in the batch */

@@ -8,6 +8,8 @@
 #include "mesh/view.h"
 #include "mesh/weld.h"
 
+enum { CHECK_ASKS = 1 << 20 }; /* triangles between asking progress */
+
 typedef struct checker {
     const bvx_mesh_view *view;
     const uint32_t *representative; /* given, when welded already */
@@ -34,7 +36,8 @@ static bvx_status weld_and_renumber(bvx_context *ctx, checker *c)
 
 /* Keep the triangles with three different vertices, after welding; their bounds, area, and volume about the centre of
  * the bounds low and high. */
-static void collect_triangles(checker *c, const double low[3], const double high[3])
+static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progress, const double low[3],
+                                    const double high[3])
 {
     bvx_certificate *const r = &c->result;
     double const scale = bvxi_unit_scale(low, high), back = 1.0 / scale;
@@ -47,6 +50,7 @@ static void collect_triangles(checker *c, const double low[3], const double high
     }
     r->degenerate = 0;
     for (uint64_t t = 0; t < c->view->triangle_count; t++) {
+        if (t % CHECK_ASKS == 0) BVXI_TRY(bvxi_progress(ctx, "check", progress + 0.05 * (double)t / (double)c->view->triangle_count));
         bvxi_view_triangle(c->view, t, raw);
         for (int k = 0; k < 3; k++) to[k] = c->renumber != NULL ? c->renumber[raw[k]] : raw[k];
         if (to[0] == to[1] || to[1] == to[2] || to[2] == to[0]) continue;
@@ -73,6 +77,7 @@ static void collect_triangles(checker *c, const double low[3], const double high
         r->low[a] = r->triangles != 0 ? least[a] + 0.0 : 0.0;
         r->high[a] = r->triangles != 0 ? most[a] + 0.0 : 0.0;
     }
+    return BVX_OK;
 }
 
 static int check_same_bounds(const bvx_certificate *r, const double low[3], const double high[3])
@@ -98,13 +103,14 @@ static void free_renumber(bvx_context *ctx, checker *c)
 static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const double low[3], const double high[3])
 {
     double kept_low[3], kept_high[3];
+    BVXI_TRY(bvxi_progress(ctx, "check", 0.0));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->view->triangle_count * 12, "the check's corners", &c->corners));
     BVXI_TRY(weld_vertices(ctx, c, weld));
-    collect_triangles(c, low, high);
+    BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
     if (c->triangle_count != 0 && !check_same_bounds(&c->result, low, high)) { /* once more about the right centre */
         memcpy(kept_low, c->result.low, sizeof kept_low);
         memcpy(kept_high, c->result.high, sizeof kept_high);
-        collect_triangles(c, kept_low, kept_high);
+        BVXI_TRY(collect_triangles(ctx, c, 0.35, kept_low, kept_high));
     }
     free_renumber(ctx, c);
     if (c->triangle_count != 0) return bvxi_topology(ctx, c->corners, c->triangle_count, c->vertex_count, c->edges_alone, &c->result);

@@ -1,7 +1,9 @@
 /* duplicates.c - triangles that are there once.
  *
  * Triangles enter an open table by their three places in rising order; one that is there already is left out. Places are
- * compared, never hashes alone, and triangles come in their own order, so the first of several stays. */
+ * compared, never hashes alone, and triangles come in their own order, so the first of several stays. Where the table searches
+ * too long, as for input that was made against the hash, a tree begins anew (core/key_tree.h). */
+#include "core/key_tree.h"
 #include "mesh/pieces.h"
 #include "mesh/view.h"
 
@@ -22,13 +24,12 @@ static uint64_t hash_of_places(const uint32_t place[3])
     return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
 }
 
-bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner,
-                                uint64_t *kept)
+/* Fill corner by a table [Size: size] of kept triangles' numbers plus 1, or 0. Returns 0 when it was searched too long. */
+static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *table, uint64_t size, uint32_t *corner,
+                         uint64_t *kept)
 {
-    uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
-    uint64_t count = 0;
-    uint32_t *table; /* a kept triangle's number plus 1, or 0 */
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the triangles' table", &table));
+    uint64_t const limit = bvxi_probe_limit(view->triangle_count);
+    uint64_t count = 0, probes = 0;
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         uint32_t *const mine = corner + 3 * count;
         uint32_t place[3], other[3];
@@ -36,14 +37,55 @@ bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, con
         bvxi_view_triangle(view, t, mine);
         places_of_triangle(representative, mine, place);
         if (place[0] == place[1] || place[1] == place[2]) continue;
-        for (slot = hash_of_places(place) * size >> 31; table[slot] != 0; slot = slot + 1 == size ? 0 : slot + 1) {
+        for (slot = hash_of_places(place) * size >> 31; table[slot] != 0; slot = slot + 1 == size ? 0 : slot + 1, probes++) {
             places_of_triangle(representative, corner + 3 * ((uint64_t)table[slot] - 1), other);
             if (memcmp(place, other, sizeof place) == 0) break;
         }
+        if (BVXI_UNLIKELY(probes > limit)) return 0;
         if (table[slot] != 0) continue;
         table[slot] = (uint32_t)++count;
     }
-    bvxi_free(ctx, table, size * sizeof *table);
+    *kept = count;
+    return 1;
+}
+
+typedef struct kept_triangles {
+    const uint32_t *representative, *corner;
+} kept_triangles;
+
+/* A bvxi_key_fn. */
+static void kept_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORDS])
+{
+    const kept_triangles *const k = user;
+    places_of_triangle(k->representative, k->corner + 3 * number, key);
+}
+
+static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner,
+                               uint64_t *kept)
+{
+    kept_triangles const all = {representative, corner};
+    uint32_t place[3];
+    uint64_t count = 0;
+    bvxi_key_tree tree;
+    BVXI_TRY(bvxi_key_tree_open(ctx, &tree, kept_key, &all, view->triangle_count));
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        bvxi_view_triangle(view, t, corner + 3 * count);
+        places_of_triangle(representative, corner + 3 * count, place);
+        if (place[0] != place[1] && place[1] != place[2]) count += bvxi_key_tree_find(&tree, count) == count;
+    }
+    bvxi_key_tree_close(ctx, &tree);
     *kept = count;
     return BVX_OK;
+}
+
+bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner,
+                                uint64_t *kept)
+{
+    uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
+    uint32_t *table;
+    int done;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the triangles' table", &table));
+    done = drop_by_table(view, representative, table, size, corner, kept);
+    bvxi_free(ctx, table, size * sizeof *table);
+    return done ? BVX_OK : drop_by_tree(ctx, view, representative, corner, kept);
 }

@@ -9,7 +9,8 @@
 void bvxi_pieces(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *piece);
 
 /* List the corners of all triangles but those whose three places an earlier one has, in any order, and those with two corners at
- * one place. corner [Size: triangle_count * 3]; *kept is how many. Scratch: 6 bytes a triangle. */
+ * one place. corner [Size: triangle_count * 3]; *kept is how many. Scratch: 6 bytes a triangle, 8 where hashes collide
+ * on purpose. */
 bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner,
                                 uint64_t *kept);
 

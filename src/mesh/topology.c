@@ -9,9 +9,11 @@
  * Numbers: half-edge h = 3 t + k runs from corner k to corner k + 1 of triangle t and stands for corner k too. */
 #include "mesh/topology.h"
 
+enum { TOPOLOGY_ASKS = 1 << 20 }; /* vertices or corners between asking progress */
 enum { TOPOLOGY_INSERTION_LIMIT = 32 }; /* larger buckets are heap-sorted: a fan of a million triangles is harmless */
 
 typedef struct topology {
+    bvx_context *ctx;
     const uint32_t *corners;
     uint64_t triangle_count, vertex_count;
     uint32_t *bucket_end; /* [Size: vertex_count] */
@@ -172,7 +174,7 @@ static void check_edge(topology *c, uint64_t *e, size_t n, uint32_t lower)
     r->duplicates += count_edge_duplicates(c, e, n, higher);
 }
 
-static void check_edges(topology *c)
+static bvx_status check_edges(topology *c)
 {
     uint64_t begin = 0;
     for (uint64_t t = 0; t < c->triangle_count; t++) c->parent[t] = (uint32_t)t;
@@ -180,6 +182,7 @@ static void check_edges(topology *c)
     c->result->oriented = 1;
     for (uint64_t v = 0; v < c->vertex_count; v++) {
         uint64_t const end = c->bucket_end[v];
+        if (v % TOPOLOGY_ASKS == 0) BVXI_TRY(bvxi_progress(c->ctx, "check", 0.4 + 0.4 * (double)v / (double)c->vertex_count));
         entries_sort(c->entries + begin, (size_t)(end - begin));
         while (begin < end) {
             uint64_t stop = begin + 1;
@@ -188,6 +191,7 @@ static void check_edges(topology *c)
             begin = stop;
         }
     }
+    return BVX_OK;
 }
 
 /* ---- vertices ---- */
@@ -213,12 +217,13 @@ static int walk_fan(topology *c, uint32_t v, uint32_t h, uint32_t from)
 }
 
 /* A vertex of three broken edges is counted once, as is one of several fans. */
-static void check_vertices(topology *c)
+static bvx_status check_vertices(topology *c)
 {
     bvx_certificate *const r = c->result;
     uint64_t const half_edges = 3 * c->triangle_count;
     for (uint64_t h = 0; h < half_edges; h++) {
         uint32_t const v = c->corners[h];
+        if (h % TOPOLOGY_ASKS == 0) BVXI_TRY(bvxi_progress(c->ctx, "check", 0.8 + 0.2 * (double)h / (double)half_edges));
         if (topology_bit_is_set(c->broken, v)) { /* known already, or counted now */
             if (!topology_bit_is_set(c->seen, v)) {
                 topology_bit_set(c->seen, v);
@@ -238,6 +243,7 @@ static void check_vertices(topology *c)
         topology_bit_set(c->walked, h);
         if (!walk_fan(c, v, (uint32_t)h, (uint32_t)h)) walk_fan(c, v, half_edge_before((uint32_t)h), (uint32_t)h);
     }
+    return BVX_OK;
 }
 
 /* ---- the whole ---- */
@@ -284,6 +290,7 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
     topology c;
     bvx_status status;
     memset(&c, 0, sizeof c);
+    c.ctx = ctx;
     c.corners = corners;
     c.triangle_count = triangle_count;
     c.vertex_count = vertex_count;
@@ -292,12 +299,10 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
     status = allocate_topology(ctx, &c);
     if (status == BVX_OK) {
         fill_edge_buckets(&c);
-        check_edges(&c);
-        if (!edges_alone) {
-            check_vertices(&c);
-            conclude_topology(&c);
-        }
+        status = check_edges(&c);
     }
+    if (status == BVX_OK && !edges_alone) status = check_vertices(&c);
+    if (status == BVX_OK && !edges_alone) conclude_topology(&c);
     free_topology(ctx, &c);
     return status;
 }

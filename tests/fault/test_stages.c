@@ -338,7 +338,7 @@ static const stage stages[] = {
     {"extract with keys", extract_keys, 1, 1},
     {"count", extract_count, 1, 1},
     {"merge", merge, 1, 1},
-    {"check", check, 0, 1},
+    {"check", check, 1, 1},
     {"normals", normals, 0, 1},
     {"distance", distance, 1, 1},
     {"read STL", read_stl, 1, 1},

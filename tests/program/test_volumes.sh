@@ -74,6 +74,10 @@ mkdir -p sub/..below
 cp "$fixtures/waves.raw" sub/..below/waves.raw
 sed 's|^data file:.*|data file: sub/..below/./waves.raw|' "$waves" >below.nhdr
 gives 'samples in a folder below' 0 'set' voxelize below.nhdr -o below.bvx --level 5
+cp "$fixtures/waves.raw" many.raw # 61,440 bytes, named often
+{ printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 64000\nencoding: raw\ndata file: LIST\n' && for _ in 1 2 3 4 5 6 7 8; do echo many.raw; done; } >many.nhdr
+gives 'data files that are too much together' 1 'bytes are more than the 15[0-9]* bytes that --memory-limit leaves for it' voxelize many.nhdr -o a.bvx --level 5 --memory-limit 200000
+gives 'data files that leave nothing of the limit' 1 'is to fit into the 0 bytes that --memory-limit' voxelize many.nhdr -o a.bvx --level 5 --memory-limit $((61440 + $(wc -c <many.nhdr)))
 if ls a.* >/dev/null 2>&1; then not_ok 'nothing is left behind' "$(ls a.*)"; else ok 'nothing is left behind'; fi
 
 # ---- packed samples ----

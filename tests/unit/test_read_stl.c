@@ -270,6 +270,52 @@ static void test_read_stl_cancels(void)
     TEST_ASSERT_EQUAL_INT(1, check_every_cancel(text_two, strlen(text_two), STL));
 }
 
+static uint64_t inverse_of(uint64_t odd)
+{
+    uint64_t x = odd;
+    for (int i = 0; i < 6; i++) x *= 2 - odd * x;
+    return x;
+}
+
+/* A file whose corners x, y, 0 have hashes (of soup.c) with 24 equal bits at their end, all different, n triangles and then the same
+ * n again; to be freed. */
+static uint8_t *make_flood(uint32_t n, size_t *size)
+{
+    uint64_t const first = inverse_of(UINT64_C(0x9e3779b97f4a7c15)), last = inverse_of(UINT64_C(0xbf58476d1ce4e5b9));
+    uint32_t corners = 0;
+    uint8_t *const bytes = calloc(1, *size = 84 + (size_t)100 * n);
+    TEST_ASSERT_NOT_NULL(bytes);
+    put_u32(bytes + 80, 2 * n, 0);
+    for (uint64_t i = 1; corners < 3 * n; i++) {
+        uint64_t const hash = i << 24, mixed = (hash ^ hash >> 32) * last, xy = (mixed ^ mixed >> 32) * first;
+        uint32_t const x = (uint32_t)xy, y = (uint32_t)(xy >> 32);
+        uint8_t *const p = bytes + 96 + (size_t)(corners / 3) * 50 + corners % 3 * 12;
+        if (x << 1 >= UINT32_C(0xff000000) || y << 1 >= UINT32_C(0xff000000) || x << 1 == 0 || y << 1 == 0) continue;
+        put_u32(p, x, 0);
+        put_u32(p + 4, y, 0);
+        corners++;
+    }
+    memcpy(bytes + 84 + (size_t)50 * n, bytes + 84, (size_t)50 * n);
+    return bytes;
+}
+
+/* Searched to its end the table would take 10^10 steps. */
+static void test_read_stl_made_against_the_hash(void)
+{
+    uint32_t const n = 40000;
+    size_t size;
+    uint8_t *const bytes = make_flood(n, &size);
+    bvx_mesh m = {0};
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, bytes, size, STL, &m));
+    TEST_ASSERT_EQUAL_UINT64(2 * n, m.triangle_count);
+    TEST_ASSERT_EQUAL_UINT64(3 * n, m.vertex_count);
+    for (uint32_t k = 0; k < 6 * n; k++) TEST_ASSERT_EQUAL_UINT32(k % (3 * n), m.triangles[k]);
+    for (uint32_t k = 0; k < 3 * n; k++)
+        TEST_ASSERT_EQUAL_MEMORY(bytes + 96 + (size_t)(k / 3) * 50 + k % 3 * 12, (const float *)m.positions + 3 * k, 12);
+    bvx_mesh_free(ctx, &m);
+    free(bytes);
+}
+
 static void test_read_mesh_arguments(void)
 {
     bvx_mesh m = {0};
@@ -326,6 +372,7 @@ int main(void)
     RUN_TEST(test_read_stl_refuses_text);
     RUN_TEST(test_read_stl_every_prefix);
     RUN_TEST(test_read_stl_cancels);
+    RUN_TEST(test_read_stl_made_against_the_hash);
     RUN_TEST(test_read_mesh_arguments);
     RUN_TEST(test_format_of_name);
     return UNITY_END();

@@ -205,6 +205,28 @@ static void test_nrrd_names_of_data_files(void)
     check_names("\n", "7");
 }
 
+/* Names are asked for one by one, each time by reading the head. */
+static void test_heads_of_too_many_data_files(void)
+{
+    static const char begin[] = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 3 2\nencoding: raw\ndata file: LIST\n";
+    size_t const at = sizeof begin - 1;
+    uint64_t count = 0, fit = 0;
+    size_t const room = at + 2 * 40000;
+    char *head = malloc(room), pattern[128];
+    TEST_ASSERT_NOT_NULL(head);
+    memcpy(head, begin, at);
+    for (size_t i = at; i < room; i++) head[i] = (i - at) % 2 == 0 ? 'a' : '\n';
+    while ((fit + 1) * (at + 2 * (fit + 1)) <= UINT64_C(1) << 31) fit++;
+    TEST_ASSERT_TRUE(fit < 40000);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_volume_data_name(ctx, head, at + 2 * fit, 0, NULL, 0, &count));
+    TEST_ASSERT_EQUAL_UINT64(fit, count);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_volume_data_name(ctx, head, at + 2 * fit + 2, 0, NULL, 0, &count));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "more than 2^31"));
+    free(head);
+    snprintf(pattern, sizeof pattern, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 3 2\nencoding: raw\ndata file: s%%d 1 2000000000 1\n");
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_volume_data_name(ctx, pattern, strlen(pattern), 0, NULL, 0, &count));
+}
+
 static void test_several_data_files_are_not_packed_or_skipped(void)
 {
     static const char *const fields[] = {"encoding: gzip", "encoding: raw\nline skip: 1", "encoding: raw\nbyte skip: 1"};
@@ -306,6 +328,7 @@ int main(void)
     RUN_TEST(test_nrrd_gzip_by_the_callers_function);
     RUN_TEST(test_nrrd_detached);
     RUN_TEST(test_nrrd_names_of_data_files);
+    RUN_TEST(test_heads_of_too_many_data_files);
     RUN_TEST(test_several_data_files_are_not_packed_or_skipped);
     RUN_TEST(test_samples_alone);
     RUN_TEST(test_npy_in_both_orders_of_axes);

@@ -157,6 +157,17 @@ def test_nrrd_with_data_files(tmp_path):
             bitvox.read_volume(tmp_path / "e.nhdr")
 
 
+def test_data_files_count_together(tmp_path):
+    (tmp_path / "one.raw").write_bytes(bytes(100_000))
+    (tmp_path / "one.raw.gz").write_bytes(gzip.compress(bytes(100_000)))
+    for name in ("one.raw", "one.raw.gz"):
+        head = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 100 100 80\nencoding: raw\ndata file: LIST\n"
+        (tmp_path / "a.nhdr").write_text(head + f"{name}\n" * 8)
+        assert bitvox.read_volume(tmp_path / "a.nhdr", memory_limit=900_000).shape == (100, 100, 80)
+        with pytest.raises(bitvox.MemoryLimitError, match="99[0-9]{3} bytes that memory_limit leaves"):
+            bitvox.read_volume(tmp_path / "a.nhdr", memory_limit=300_000)
+
+
 def test_damaged_gzip_is_refused(tmp_path):
     a = noise((11, 5, 4), "<i2")
     good = nrrd(a, "gzip")

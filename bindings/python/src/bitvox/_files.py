@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from ._errors import ArgumentError, UnsupportedError
+from ._errors import ArgumentError, MemoryLimitError, UnsupportedError
 from ._grid import Grid, new_grid
 from ._lattice import WindowLike, set_window
 from ._mesh import Mesh, new_mesh
@@ -36,13 +36,21 @@ def _number(format: str) -> int:
     return number
 
 
-def read_bytes(path: str | os.PathLike[str]) -> bytes:
-    """A file's bytes; those of .gz unpacked."""
+def read_bytes(path: str | os.PathLike[str], limit: int | None = None) -> bytes:
+    """A file's bytes; those of .gz unpacked; at most ``limit`` of them, packed or unpacked."""
     import gzip
+    import io
+
+    def within(file: Any) -> bytes:
+        found = file.read() if limit is None else file.read(limit + 1)
+        if limit is not None and len(found) > limit:
+            raise MemoryLimitError(f"{os.fspath(path)}: holds more than the {limit} bytes that memory_limit leaves for it")
+        return found
 
     with open(path, "rb") as file:
-        data = file.read()
-    return gzip.decompress(data) if data[:2] == b"\x1f\x8b" and os.fspath(path).lower().endswith(".gz") else data
+        data = within(file)
+    packed = data[:2] == b"\x1f\x8b" and os.fspath(path).lower().endswith(".gz")
+    return within(gzip.GzipFile(fileobj=io.BytesIO(data))) if packed else data
 
 
 def write_bytes(path: str | os.PathLike[str], data: Any) -> None:

@@ -102,7 +102,7 @@ class _Bar:
 class Run:
     """One call: ``with Run(...) as run: run.check(lib.bvx_...(run.context, ...))``."""
 
-    __slots__ = ("context", "progress", "error", "handle", "meshes", "kept", "token", "bar", "__weakref__")
+    __slots__ = ("context", "memory_limit", "progress", "error", "handle", "meshes", "kept", "token", "bar", "__weakref__")
 
     def __init__(self, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
         given = _settings.get()
@@ -110,7 +110,8 @@ class Run:
         lib.bvx_context_options_init(options, ffi.sizeof("bvx_context_options"))
         wanted = given.threads if threads is None else threads
         options.threads = 1 if _forked else in_range("threads", wanted, 0, 1024)
-        options.memory_limit = in_range("memory_limit", given.memory_limit if memory_limit is None else memory_limit, 0, 2**64 - 1)
+        limit = given.memory_limit if memory_limit is None else memory_limit
+        self.memory_limit = options.memory_limit = in_range("memory_limit", limit, 0, 2**64 - 1)
         self.handle = ffi.new_handle(self)
         options.progress = lib.bvxpy_progress
         options.progress_user = self.handle

@@ -207,12 +207,14 @@ def _data_files(run: Run, held: Any, path: str) -> bytes | None:
     count = ffi.new("uint64_t *")
     run.check(lib.bvx_volume_data_name(run.context, held, len(held), 0, ffi.NULL, 0, count))
     pieces, name = [], ffi.new("char[]", 4096)
+    left = run.memory_limit - len(held) if run.memory_limit else None  # a short head may name a large file many times
     for i in range(count[0]):
         run.check(lib.bvx_volume_data_name(run.context, held, len(held), i, name, 4096, count))
         beside = os.fsdecode(ffi.string(name))
         if os.path.isabs(beside) or os.path.splitdrive(beside)[0] or ".." in beside.replace(os.sep, "/").split("/"):
             raise FormatError(f"{path}: its samples are said to be in {beside}; only files in its own folder or below are read")
-        pieces.append(read_bytes(os.path.join(os.path.dirname(path), beside)))
+        pieces.append(read_bytes(os.path.join(os.path.dirname(path), beside), None if left is None else max(left, 0)))
+        left = None if left is None else left - len(pieces[-1])
     return b"".join(pieces) if pieces else None
 
 
