@@ -356,6 +356,23 @@ static void test_refusals(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(NULL, &a, &b, 0, &o, &made));
 }
 
+/* Boxes that doubles hold in a lattice that reaches beyond them. */
+static void test_lattice_beyond_doubles(void)
+{
+    for (int32_t resolution = 4; resolution < 30; resolution += 5)
+        for (int sharp = 0; sharp < 2; sharp++) {
+            static const double low[3] = {-8.5e307, -8.5e307, -8.5e307}, high[3] = {8.5e307, 8.5e307, 8.5e307};
+            bvx_boolean_options o = with(resolution);
+            bvx_status status;
+            o.sharp = sharp;
+            o.position_type = BVX_F64;
+            make_boxes(low, high, low, high);
+            status = bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_RANGE, status, bvx_last_message(ctx));
+            TEST_ASSERT_NULL(made.positions);
+        }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -369,5 +386,6 @@ int main(void)
     RUN_TEST(test_threads_and_code_paths_are_not_seen);
     RUN_TEST(test_golden);
     RUN_TEST(test_refusals);
+    RUN_TEST(test_lattice_beyond_doubles);
     return UNITY_END();
 }

@@ -384,9 +384,12 @@ static void test_options_out_of_range(void)
     bad.spacing[1] = 1e-40;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, refused(ctx, &view, &bad, &o, "BVX_F64"));
     bad = l;
-    bad.origin[0] = 1.7e308;
-    bad.spacing[0] = 1e307;
+    bad.origin[0] = 0x1.fffffffffffffp1023;
+    bad.spacing[0] = 1e299;
+    o.value_type = BVX_F64;
+    o.half_width = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, refused(ctx, &view, &bad, &o, "no finite place along x"));
+    o = good;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_measure_field(ctx, &view, &l, &o, &f));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_measure_field(ctx, &view, &l, &o, &f)); /* it is full */
     TEST_ASSERT_TRUE(f.value_count > 0);
