@@ -193,7 +193,8 @@ BVX_API bvx_status bvx_lattice_make(bvx_context *context, const double origin[3]
 /* ---- Grids ------------------------------------------------------------------------------------------------- */
 
 /** A set of voxels, one bit each. Voxel (x,y,z) of the window is bit (x & 63) of
- *  words[(z * size[1] + y) * words_per_row + (x >> 6)]; bits at or past size[0] are always 0. */
+ *  words[(z * size[1] + y) * words_per_row + (x >> 6)]; bits at or past size[0] are always 0. Where a caller sets one, results
+ *  are wrong or BVX_ERR_ARGUMENT (surfaces and fields look), never unsafe for memory. */
 typedef struct bvx_grid {
     uint64_t *words;        /**< [Size: bvx_grid_bound] 64-byte aligned when the library made it */
     uint64_t word_capacity; /**< words that the array holds; set by the caller who brings his own array */

@@ -37,9 +37,13 @@ static uint64_t field_row_values(const bvx_grid *grid, uint64_t row)
 
 static bvx_status check_field_rows(bvx_context *ctx, const char *function, const bvx_field *field)
 {
-    uint64_t const rows = bvxi_grid_rows(&field->band);
+    const bvx_grid *const band = &field->band;
+    uint64_t const rows = bvxi_grid_rows(band), past = bvxi_grid_past(band);
     uint64_t next = 0;
     for (uint64_t r = 0; r < rows; r++) {
+        if ((band->words[(r + 1) * (uint64_t)band->words_per_row - 1] & past) != 0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.band's words have bits set past the %d voxels of row %u", function,
+                             (int64_t)band->size[0], r);
         if (field->row_values[r] != next)
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.row_values[%u] is %u, but the rows before hold %u values", function, r,
                              field->row_values[r], next);

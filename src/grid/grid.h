@@ -29,4 +29,10 @@ static inline uint64_t bvxi_grid_words(const bvx_grid *grid)
     return bvxi_grid_rows(grid) * (uint64_t)grid->words_per_row;
 }
 
+/* Bits of each row's last word at or past size[0]: nothing sets them. */
+static inline uint64_t bvxi_grid_past(const bvx_grid *grid)
+{
+    return grid->size[0] % 64 != 0 ? ~UINT64_C(0) << grid->size[0] % 64 : 0;
+}
+
 #endif
