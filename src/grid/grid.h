@@ -7,6 +7,9 @@
 
 /* Refuse a grid that is none, naming the field. */
 bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_grid *grid);
+/* Refuse a checked grid with bits at or past size[0] that are set; the second is that refusal alone. */
+bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bvx_grid *grid);
+BVXI_COLD bvx_status bvxi_grid_fail_past(bvx_context *ctx, const char *function, const bvx_grid *grid);
 /* Set up a grid's struct over new or the caller's words, contents unspecified; *grid is changed only on success. */
 bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice, const bvx_window *window,
                           bvx_grid *grid);
@@ -29,10 +32,10 @@ static inline uint64_t bvxi_grid_words(const bvx_grid *grid)
     return bvxi_grid_rows(grid) * (uint64_t)grid->words_per_row;
 }
 
-/* Bits of each row's last word at or past size[0]: nothing sets them. */
+/* Bits of each row's last word at or past size[0]: nothing of the library's sets them. */
 static inline uint64_t bvxi_grid_past(const bvx_grid *grid)
 {
-    return grid->size[0] % 64 != 0 ? ~UINT64_C(0) << grid->size[0] % 64 : 0;
+    return ~bvxi_tail_mask(grid->size[0]);
 }
 
 #endif

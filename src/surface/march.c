@@ -95,9 +95,7 @@ static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
         triangles += m->piece_counts[3 * p + 1];
         past |= m->piece_counts[3 * p + 2];
     }
-    if (past != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid's words have bits set past the %d voxels of a row", m->function,
-                         (int64_t)m->grid->size[0]);
+    if (past != 0) return bvxi_grid_fail_past(ctx, m->function, m->grid);
     if (vertices >= UINT32_MAX || triangles >= UINT32_MAX)
         return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the surface has %u vertices and %u triangles; 2^32 - 1 are possible, extract it by windows",
                          m->function, vertices, triangles);
