@@ -127,6 +127,14 @@ static inline const char *bvxi_find_byte(const char *p, const char *end, char wa
     return p;
 }
 
+/* 1 when two arrays share a byte; lengths in bytes. */
+static inline int bvxi_overlap(const void *a, uint64_t a_size, const void *b, uint64_t b_size)
+{
+    uintptr_t const x = (uintptr_t)a, y = (uintptr_t)b;
+    if (a == NULL || b == NULL || a_size == 0 || b_size == 0) return 0;
+    return x <= y ? y - x < a_size : x - y < b_size;
+}
+
 /* a * b and a + b; 0 in *ok when they do not fit 64 bits. */
 static inline uint64_t bvxi_mul(uint64_t a, uint64_t b, int *ok)
 {
