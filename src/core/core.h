@@ -34,8 +34,8 @@
 #define BVXI_AVX2
 #endif
 
-#if defined(__FAST_MATH__)
-#error "bitvox keeps its promises only without fast-math"
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0)
+#error "bitvox keeps its promises only without -ffast-math and -ffinite-math-only"
 #endif
 
 enum { BVXI_ALIGN = 64, BVXI_MAX_THREADS = 1024, BVXI_MESSAGE_SIZE = 512 };
