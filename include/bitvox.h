@@ -193,7 +193,9 @@ BVX_API bvx_status bvx_lattice_make(bvx_context *context, const double origin[3]
 /* ---- Grids ------------------------------------------------------------------------------------------------- */
 
 /** A set of voxels, one bit each. Voxel (x,y,z) of the window is bit (x & 63) of
- *  words[(z * size[1] + y) * words_per_row + (x >> 6)]; bits at or past size[0] are always 0. */
+ *  words[(z * size[1] + y) * words_per_row + (x >> 6)]; bits at or past size[0] are always 0. Where a caller sets one, results
+ *  are wrong or BVX_ERR_ARGUMENT (surfaces, faces and fields look), never unsafe for memory. Words of two grids are the same or
+ *  apart: results that overlap their operands otherwise are refused. */
 typedef struct bvx_grid {
     uint64_t *words;        /**< [Size: bvx_grid_bound] 64-byte aligned when the library made it */
     uint64_t word_capacity; /**< words that the array holds; set by the caller who brings his own array */
@@ -1683,7 +1685,7 @@ BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
  * any centre inside is an empty mesh and no error.
  *
  * operation  BVX_BOOLEAN_...
- * result     as for bvx_extract_surface
+ * result     as for bvx_extract_surface; its arrays are not those of a or b (BVX_ERR_ARGUMENT)
  *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (a mesh without a triangle of area), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in
  * bvx_extract_surface), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
@@ -1955,7 +1957,7 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  * is thinner than a voxel is lost or becomes a shell.
  *
  * mesh      triangles without area are no harm; vertices must be finite, used or not
- * repaired  as for bvx_extract_surface
+ * repaired  as for bvx_extract_surface; its arrays are not the mesh's (BVX_ERR_ARGUMENT)
  *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area; nothing is left: no inside and no shells asked for, or all parts
  * below least_part), BVX_ERR_RANGE, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.

@@ -34,8 +34,8 @@
 #define BVXI_AVX2
 #endif
 
-#if defined(__FAST_MATH__)
-#error "bitvox keeps its promises only without fast-math"
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0)
+#error "bitvox keeps its promises only without -ffast-math and -ffinite-math-only"
 #endif
 
 enum { BVXI_ALIGN = 64, BVXI_MAX_THREADS = 1024, BVXI_MESSAGE_SIZE = 512 };
@@ -125,6 +125,14 @@ static inline const char *bvxi_find_byte(const char *p, const char *end, char wa
 {
     while (p != end && *p != wanted) p++;
     return p;
+}
+
+/* 1 when two arrays share a byte; lengths in bytes. */
+static inline int bvxi_overlap(const void *a, uint64_t a_size, const void *b, uint64_t b_size)
+{
+    uintptr_t const x = (uintptr_t)a, y = (uintptr_t)b;
+    if (a == NULL || b == NULL || a_size == 0 || b_size == 0) return 0;
+    return x <= y ? y - x < a_size : x - y < b_size;
 }
 
 /* a * b and a + b; 0 in *ok when they do not fit 64 bits. */

@@ -58,6 +58,7 @@ static bvx_status check_field_inside(bvx_context *ctx, const char *function, con
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.inside has no words, but field.sign is %d", function, (int64_t)field->sign);
     }
     BVXI_TRY(bvxi_grid_check(ctx, function, &field->inside));
+    BVXI_TRY(bvxi_grid_check_past(ctx, function, &field->inside));
     if (!bvxi_lattice_equal(&field->band.lattice, &field->inside.lattice) ||
         memcmp(field->band.low, field->inside.low, sizeof field->band.low) != 0 ||
         memcmp(field->band.size, field->inside.size, sizeof field->band.size) != 0)
@@ -82,6 +83,7 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
     if (!(field->half_width > 0.0))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.half_width is %g; it must be above 0", function, field->half_width);
     BVXI_TRY(bvxi_grid_check(ctx, function, &field->band));
+    BVXI_TRY(bvxi_grid_check_past(ctx, function, &field->band));
     BVXI_TRY(check_field_inside(ctx, function, field));
     return check_field_rows(ctx, function, field);
 }
@@ -103,6 +105,7 @@ uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z
     const bvx_grid *const g = &field->band;
     if (x < 0 || y < 0 || z < 0 || x >= g->size[0] || y >= g->size[1] || z >= g->size[2]) return UINT64_MAX;
     uint64_t const row = (uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y;
+    if (g->words_per_row != bvxi_row_words(g->size[0]) || row >= g->word_capacity / (uint64_t)g->words_per_row) return UINT64_MAX;
     const uint64_t *const words = g->words + row * (uint64_t)g->words_per_row;
     uint64_t n = field->row_values[row];
     if ((words[x >> 6] >> (x & 63) & 1) == 0) return UINT64_MAX;

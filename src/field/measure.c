@@ -84,15 +84,12 @@ static bvx_status check_largest_distance(bvx_context *ctx, const measure_job *jo
     return BVX_OK;
 }
 
-/* Centres must be finite, and the field's numbers hold the distances. */
+/* The field's numbers hold the distances. That centres are finite is asked where the search tree is made. */
 static bvx_status check_measure_range(bvx_context *ctx, const measure_job *job, const bvx_lattice *l)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     double const width = measure_width(l, job->o.half_width);
     for (int a = 0; a < 3; a++) {
-        double const far_end = l->origin[a] + (double)l->dims[a] * l->spacing[a];
-        if (!(far_end - far_end == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's last voxel has no finite place along %s", measure_name, axis_name[a]);
         if (job->o.value_type == BVX_F32 && (l->spacing[a] > 0x1p100 || l->spacing[a] < 0x1p-100))
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: floats do not hold distances of voxels of %g along %s: take BVX_F64", measure_name,
                              l->spacing[a], axis_name[a]);

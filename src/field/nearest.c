@@ -46,10 +46,27 @@ static bvx_status require_near_area(bvx_context *ctx, const char *function, cons
     return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no triangle has an area", function);
 }
 
+/* Every centre has a finite place, and so has every difference of places and every distance. */
+static bvx_status check_near_range(bvx_context *ctx, const char *function, const bvx_lattice *l, const double low[3], const double high[3])
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+    for (int a = 0; a < 3; a++) {
+        double const first = l->origin[a], last = first + (double)l->dims[a] * l->spacing[a];
+        double const below = first < low[a] ? first : low[a], above = last > high[a] ? last : high[a];
+        if (!(last - last == 0.0))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's last voxel has no finite place along %s", function, axis_name[a]);
+        if (!(above - below < 0x1p1023))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: along %s lattice and mesh reach from %g to %g, too far for distances in doubles",
+                             function, axis_name[a], below, above);
+    }
+    return BVX_OK;
+}
+
 static bvx_status open_near(bvx_context *ctx, const char *function, const char *stage, double from, double to, bvxi_nearest *n)
 {
     double low[3], high[3];
     BVXI_TRY(bvxi_view_bounds(ctx, function, &n->view, low, high));
+    BVXI_TRY(check_near_range(ctx, function, &n->lattice, low, high));
     n->scale = near_scale(&n->lattice, low, high);
     BVXI_TRY(require_near_area(ctx, function, n));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *n->memo, "the field's memory", &n->memo));

@@ -18,7 +18,8 @@ typedef struct bvxi_nearest_values {
     uint8_t *features;       /* as bvx_closest_point.feature */
 } bvxi_nearest_values;
 
-/* Check the view (finite, indices in range, at least one triangle of area) and make it ready. */
+/* Check the view (finite, indices in range, at least one triangle of area) and that doubles hold all centres and distances
+ * (BVX_ERR_RANGE), and make it ready. */
 bvx_status bvxi_nearest_open(bvx_context *ctx, const char *function, const char *stage, double from, double to,
                              const bvx_mesh_view *mesh, const bvx_lattice *lattice, bvxi_nearest **nearest);
 void bvxi_nearest_close(bvx_context *ctx, bvxi_nearest *nearest);

@@ -84,6 +84,8 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
     BVXI_TRY(bvxi_grid_check(ctx, function, a));
     BVXI_TRY(bvxi_grid_check(ctx, function, b));
     BVXI_TRY(bvxi_grid_same(ctx, function, a, b));
+    BVXI_TRY(bvxi_grid_check_shift(ctx, function, a, result));
+    BVXI_TRY(bvxi_grid_check_shift(ctx, function, b, result));
     memcpy(window.low, a->low, sizeof window.low);
     memcpy(window.size, a->size, sizeof window.size);
     mine = result->words == NULL;

@@ -140,7 +140,6 @@ bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_w
     bvx_window w;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
-    BVXI_TRY(bvxi_grid_check(context, function, grid));
     BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, window, &w));
     for (int32_t a = 0; a < 3; a++) from[a] = w.low[a] - grid->low[a];
     return move_grid(context, function, grid, &grid->lattice, &w, from, result);
@@ -156,7 +155,6 @@ bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (low == NULL || high == NULL) return bvxi_fail_null(context, function, low == NULL ? "low" : "high");
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
-    BVXI_TRY(bvxi_grid_check(context, function, grid));
     for (int32_t a = 0; a < 3; a++) {
         int32_t const room = BVXI_MAX_SIDE - grid->lattice.dims[a];
         if (low[a] < 0 || high[a] < 0)

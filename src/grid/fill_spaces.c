@@ -77,8 +77,7 @@ bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int3
     if (filled == NULL) return bvxi_fail_null(context, grid_fill_name, "filled");
     if (seeds == NULL && seed_count != 0) return bvxi_fail_null(context, grid_fill_name, "seeds");
     BVXI_TRY(bvxi_check_connectivity(context, grid_fill_name, connectivity));
-    if (filled->words == walls->words)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: the result's array is that of the walls", grid_fill_name);
+    BVXI_TRY(bvxi_grid_apart(context, grid_fill_name, walls, filled));
     BVXI_TRY(check_seeds(context, walls, seeds, seed_count));
     memcpy(window.low, walls->low, sizeof window.low);
     memcpy(window.size, walls->size, sizeof window.size);

@@ -85,6 +85,20 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
     return BVX_OK;
 }
 
+bvx_status bvxi_grid_fail_past(bvx_context *ctx, const char *function, const bvx_grid *grid)
+{
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid's words have bits set past the %d voxels of a row", function, (int64_t)grid->size[0]);
+}
+
+bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bvx_grid *grid)
+{
+    uint64_t const past = bvxi_grid_past(grid), words = bvxi_grid_words(grid), step = (uint64_t)grid->words_per_row;
+    uint64_t set = 0;
+    if (past == 0) return BVX_OK;
+    for (uint64_t i = step - 1; i < words; i += step) set |= grid->words[i];
+    return (set & past) == 0 ? BVX_OK : bvxi_grid_fail_past(ctx, function, grid);
+}
+
 bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count)
 {
     uint64_t n = 0, words;

@@ -204,9 +204,7 @@ bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx
     bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&report, 0, sizeof report);
-    BVXI_TRY(bvxi_grid_check(context, function, grid));
-    if (result == NULL) return bvxi_fail_null(context, function, "result");
-    if (result->words == grid->words) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: the result's array is that of the grid", function);
+    BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
     BVXI_TRY(check_hollow(context, function, &o));
     BVXI_TRY(check_shell(context, function, &grid->lattice, o.thickness));

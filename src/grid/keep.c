@@ -21,6 +21,7 @@ static bvx_status open_keep_result(bvx_context *ctx, const char *function, const
     bvx_window window;
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
+    BVXI_TRY(bvxi_grid_check_shift(ctx, function, grid, result));
     return bvxi_grid_open(ctx, function, &grid->lattice, &window, result);
 }
 

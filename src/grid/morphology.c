@@ -167,9 +167,7 @@ static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_
     bvx_grid made;
     bvx_status status;
     if (ctx == NULL) return BVX_ERR_ARGUMENT;
-    BVXI_TRY(bvxi_grid_check(ctx, function, grid));
-    if (result == NULL) return bvxi_fail_null(ctx, function, "result");
-    if (result->words == grid->words) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the result's array is that of the grid", function);
+    BVXI_TRY(bvxi_grid_apart(ctx, function, grid, result));
     BVXI_TRY(take_morph_options(ctx, function, grid, options, morph));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);

@@ -154,7 +154,6 @@ bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const in
     memset(&job, 0, sizeof job);
     BVXI_TRY(take_axes(context, function, axes, flips, &job));
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
-    BVXI_TRY(bvxi_grid_check(context, function, grid));
     job.grid = grid;
     job.result = result;
     permute_place(&job, &lattice, &window);

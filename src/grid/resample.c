@@ -87,7 +87,6 @@ bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const b
     int mine;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
-    BVXI_TRY(bvxi_grid_check(context, function, grid));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &w));
     mine = result->words == NULL;

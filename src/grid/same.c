@@ -28,12 +28,25 @@ bvx_status bvxi_grid_same(bvx_context *ctx, const char *function, const bvx_grid
     return BVX_OK;
 }
 
+static uint64_t bytes_held(const bvx_grid *grid)
+{
+    return grid->word_capacity < UINT64_MAX / 8 ? grid->word_capacity * 8 : UINT64_MAX;
+}
+
 bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_grid *result)
 {
     if (result == NULL) return bvxi_fail_null(ctx, function, "result");
-    if (grid == result || (grid != NULL && grid->words != NULL && grid->words == result->words))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the result is the grid itself; it needs words of its own", function);
+    BVXI_TRY(bvxi_grid_check(ctx, function, grid));
+    if (grid == result || bvxi_overlap(grid->words, bvxi_grid_words(grid) * 8, result->words, bytes_held(result)))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the result's array holds words of the grid; it needs words of its own", function);
     return BVX_OK;
+}
+
+bvx_status bvxi_grid_check_shift(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_grid *result)
+{
+    uint64_t const bytes = bvxi_grid_words(grid) * 8;
+    if (grid->words == result->words || !bvxi_overlap(grid->words, bytes, result->words, bytes)) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the result's words overlap the grid's without being the same", function);
 }
 
 bvx_status bvxi_grid_fill_by(bvx_context *ctx, const char *stage, int32_t pieces, bvx_task_fn *task, void *user, int mine,

@@ -4,6 +4,8 @@
 #include "io/bytes.h"
 #include "section/section.h"
 
+#include <math.h>
+
 static void put_real(bvxi_output *o, double v)
 {
     char text[32];
@@ -133,21 +135,32 @@ static void put_place(bvxi_output *o, double v)
     put_real(o, (double)n / 100.0);
 }
 
-static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_output *o)
+/* The box of the drawing; without ends along an axis where a sum of coordinates overflows. */
+static void bound_drawing(const bvx_sections *s, const double axis[3][3], double low[2], double high[2])
 {
-    double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, scale, extent;
-    uint64_t const columns = s->section_count < DRAWING_COLUMNS ? s->section_count : DRAWING_COLUMNS;
-    uint64_t const rows = (s->section_count + columns - 1) / columns;
+    low[0] = low[1] = HUGE_VAL;
+    high[0] = high[1] = -HUGE_VAL;
     for (uint64_t i = 0; i < s->point_count; i++) {
         double uv[2];
         uv_of_point(axis, s->points + 3 * i, uv);
         for (int k = 0; k < 2; k++) {
-            if (uv[k] < low[k]) low[k] = uv[k];
-            if (uv[k] > high[k]) high[k] = uv[k];
+            int const finite = uv[k] - uv[k] == 0.0;
+            if (!finite) low[k] = -HUGE_VAL;
+            else if (uv[k] < low[k]) low[k] = uv[k];
+            if (!finite) high[k] = HUGE_VAL;
+            else if (uv[k] > high[k]) high[k] = uv[k];
         }
     }
+}
+
+static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_output *o)
+{
+    double low[2], high[2], scale, extent;
+    uint64_t const columns = s->section_count < DRAWING_COLUMNS ? s->section_count : DRAWING_COLUMNS;
+    uint64_t const rows = (s->section_count + columns - 1) / columns;
+    bound_drawing(s, axis, low, high);
     extent = high[0] - low[0] > high[1] - low[1] ? high[0] - low[0] : high[1] - low[1];
-    scale = extent > 0.0 ? (DRAWING_CELL - 2 * DRAWING_MARGIN) / extent : 1.0;
+    scale = extent > 0x1p-1000 ? (DRAWING_CELL - 2 * DRAWING_MARGIN) / extent : 1.0;
     bvxi_output_text(o, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"");
     bvxi_output_number(o, columns * DRAWING_CELL);
     bvxi_output_text(o, "\" height=\"");
@@ -203,7 +216,13 @@ static bvx_status check_section_format(bvx_context *ctx, const char *function, c
         for (uint64_t i = 0; i < s->loop_count; i++)
             if (s->loops[i].label < 0)
                 return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSL holds no negative labels (loop %u: %d)", function, i, (int64_t)s->loops[i].label);
-    } else if (format != BVX_FORMAT_SVG) {
+    } else if (format == BVX_FORMAT_SVG) {
+        double low[2], high[2];
+        bound_drawing(s, axis, low, high);
+        for (int k = 0; k < 2; k++)
+            if (s->point_count > 0 && !(high[k] - low[k] < 0x1p1020))
+                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the points reach from %g to %g in their plane, too far to be drawn", function, low[k], high[k]);
+    } else {
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: format %d is no contour format (CSL, CSV, SVG)", function, (int64_t)format);
     }
     return BVX_OK;

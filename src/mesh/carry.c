@@ -124,6 +124,9 @@ static bvx_status check_target(bvx_context *ctx, const char *function, const bvx
     if (target->vertex_count > target->vertex_capacity)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_count is %u with a vertex_capacity of %u", function,
                          target->vertex_count, target->vertex_capacity);
+    if (target->vertex_capacity > UINT64_MAX / 24) /* the bytes of an array are a number */
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_capacity is %u, more than any memory holds", function,
+                         target->vertex_capacity);
     bvx_mesh_view_of(target, &w->to);
     BVXI_TRY(bvxi_view_check(ctx, function, &w->to));
     for (int a = 0; a < 3; a++) w->shift[a] = target->frame[a] - w->source->frame[a];

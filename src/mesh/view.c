@@ -320,3 +320,27 @@ bvx_status bvxi_view_point_bounds(bvx_context *ctx, const char *function, const 
     }
     return BVX_OK;
 }
+
+/* Bytes from an array's first number to behind its last one. */
+static uint64_t view_bytes(uint64_t count, uint64_t stride, uint64_t last)
+{
+    int ok = 1;
+    uint64_t const bytes = count == 0 ? 0 : bvxi_add(bvxi_mul(count - 1, stride, &ok), last, &ok);
+    return ok ? bytes : UINT64_MAX;
+}
+
+bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_mesh *result)
+{
+    uint64_t const position = result->position_type == BVX_F64 ? 24 : 12;
+    uint64_t const to_bytes[2] = {view_bytes(result->vertex_capacity, position, position), view_bytes(result->triangle_capacity, 12, 12)};
+    uint64_t const from_bytes[2] = {
+        view_bytes(view->vertex_count, bvxi_view_position_stride(view), view->position_type == BVX_F64 ? 24 : 12),
+        view->indices == NULL ? 0 : view_bytes(view->triangle_count, bvxi_view_index_stride(view), (uint64_t)6 << (view->index_type - BVX_U16))};
+    const void *const to[2] = {result->positions, result->triangles}, *const from[2] = {view->positions, view->indices};
+    for (int32_t i = 0; i < 2; i++)
+        for (int32_t k = 0; k < 2; k++)
+            if (bvxi_overlap(to[i], to_bytes[i], from[k], from_bytes[k]))
+                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the result's %s lie in the mesh's own arrays; it needs others", function,
+                                 i == 0 ? "positions" : "triangles");
+    return BVX_OK;
+}

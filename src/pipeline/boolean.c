@@ -69,7 +69,7 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
 /* ---- Lattice and solids ---- */
 
 /* Around the box of both meshes, which are checked on the way. */
-static bvx_status choose_boolean_lattice(boolean_job *job)
+static bvx_status choose_boolean_lattice(boolean_job *job, const bvx_mesh *result)
 {
     static const char *const names[2] = {"bvx_boolean, mesh a", "bvx_boolean, mesh b"};
     double box[3][3], low[3], high[3]; /* two corners, the first one again: the box as a triangle */
@@ -78,6 +78,7 @@ static bvx_status choose_boolean_lattice(boolean_job *job)
     for (int32_t i = 0; i < 2; i++) {
         BVXI_TRY(bvxi_view_check(job->ctx, names[i], job->body[i].mesh));
         BVXI_TRY(bvxi_view_bounds(job->ctx, names[i], job->body[i].mesh, low, high));
+        BVXI_TRY(bvxi_view_apart(job->ctx, names[i], job->body[i].mesh, result));
         for (int32_t a = 0; a < 3; a++) {
             if (i == 0 || low[a] < box[0][a]) box[0][a] = low[a];
             if (i == 0 || high[a] > box[1][a]) box[1][a] = high[a];
@@ -207,7 +208,7 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
 
 static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 {
-    BVXI_TRY(choose_boolean_lattice(job));
+    BVXI_TRY(choose_boolean_lattice(job, result));
     job->report.lattice = job->lattice;
     BVXI_TRY(open_boolean_grids(job));
     BVXI_TRY(fill_boolean(job));

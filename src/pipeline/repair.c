@@ -134,6 +134,7 @@ bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx
     if (repaired == NULL) return bvxi_fail_null(context, bvxi_repair_name, "repaired");
     BVXI_TRY(bvxi_take_options(context, bvxi_repair_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_view_check(context, bvxi_repair_name, mesh));
+    BVXI_TRY(bvxi_view_apart(context, bvxi_repair_name, mesh, repaired));
     BVXI_TRY(check_repair_choices(context, &o));
     BVXI_TRY(check_repair_lattice(context, &o));
     memset(&job, 0, sizeof job);

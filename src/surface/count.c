@@ -1,7 +1,8 @@
 /* count.c - the first pass of marching cubes: crossings and triangles of each row of cells. */
 #include "surface/cells.h"
 
-BVXI_VECTOR_INLINE void count_slot(const bvxi_march *m, uint64_t slot, int fast)
+/* Gives the bits at or past size[0] that are set in the slot's first row: every row is the first of one slot. */
+BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int fast)
 {
     bvxi_slot *const s = &m->slots[slot];
     const uint8_t *const triangles = bvxi_cell_triangle_count[m->options.face_rule];
@@ -39,19 +40,21 @@ BVXI_VECTOR_INLINE void count_slot(const bvxi_march *m, uint64_t slot, int fast)
     }
     for (int32_t a = 0; a < 3; a++) s->edge[a] = n[a];
     s->triangle = triangle_count;
+    return row[0][words - 1] & m->past_mask;
 }
 
 BVXI_VECTOR_INLINE void count_piece(bvxi_march *m, int32_t piece, int fast)
 {
-    uint64_t begin, end, vertices = 0, triangles = 0;
+    uint64_t begin, end, vertices = 0, triangles = 0, past = 0;
     bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
-        count_slot(m, s, fast);
+        past |= count_slot(m, s, fast);
         vertices += (uint64_t)m->slots[s].edge[0] + m->slots[s].edge[1] + m->slots[s].edge[2];
         triangles += m->slots[s].triangle;
     }
-    m->piece_counts[2 * piece] = vertices;
-    m->piece_counts[2 * piece + 1] = triangles;
+    m->piece_counts[3 * piece] = vertices;
+    m->piece_counts[3 * piece + 1] = triangles;
+    m->piece_counts[3 * piece + 2] = past;
 }
 
 #if BVXI_HAVE_AVX2

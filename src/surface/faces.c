@@ -209,6 +209,7 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
     const bvx_faces_options *const o = &f->options;
     BVXI_TRY(bvxi_take_options(ctx, f->function, given, &f->options, sizeof f->options));
     BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
+    BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
     if (o->position_type != BVX_F32 && o->position_type != BVX_F64)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither BVX_F32 nor BVX_F64", f->function,
                          (int64_t)o->position_type);

@@ -193,6 +193,7 @@ bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *fiel
     BVXI_TRY(check_field(context, name, field, &o));
     if (o.sharp && mesh != NULL && field->triangles != NULL) {
         BVXI_TRY(check_field_triangles(context, name, field, mesh));
+        BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));
         v.triangles = field->triangles;
         v.mesh = mesh;
     }

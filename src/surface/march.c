@@ -81,6 +81,7 @@ static void choose_cells(bvxi_march *m)
     m->no_cells = m->cell_high[0] < m->cell_low[0] || m->cell_high[1] < m->cell_low[1] || m->cell_high[2] < m->cell_low[2];
     m->edge_words = nx / 64 + 1;
     m->first_mask = ~UINT64_C(0) << (m->cell_low[0] + 1); /* cell -1 is bit 0 */
+    m->past_mask = bvxi_grid_past(m->grid);
     last_bit = (m->cell_high[0] + 1) - (m->edge_words - 1) * 64;
     m->last_mask = last_bit < 0 ? 0 : last_bit >= 63 ? ~UINT64_C(0) : (UINT64_C(2) << last_bit) - 1;
 }
@@ -88,11 +89,13 @@ static void choose_cells(bvxi_march *m)
 /* Counts become first numbers. */
 static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
 {
-    uint64_t vertices = 0, triangles = 0;
+    uint64_t vertices = 0, triangles = 0, past = 0;
     for (int32_t p = 0; p < m->pieces; p++) {
-        vertices += m->piece_counts[2 * p];
-        triangles += m->piece_counts[2 * p + 1];
+        vertices += m->piece_counts[3 * p];
+        triangles += m->piece_counts[3 * p + 1];
+        past |= m->piece_counts[3 * p + 2];
     }
+    if (past != 0) return bvxi_grid_fail_past(ctx, m->function, m->grid);
     if (vertices >= UINT32_MAX || triangles >= UINT32_MAX)
         return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the surface has %u vertices and %u triangles; 2^32 - 1 are possible, extract it by windows",
                          m->function, vertices, triangles);
@@ -136,7 +139,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
     m->slot_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex numbers", &m->slots));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 16, "the counts", &m->piece_counts));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 24, "the counts", &m->piece_counts));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)grid->words_per_row * 8, "an empty row", &m->empty_row));
     BVXI_TRY(bvxi_parallel(ctx, "surface", 0.0, 0.35, m->pieces, bvxi_march_count_piece, m));
     return number_slots(ctx, m);
@@ -146,7 +149,7 @@ void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
 {
     if (m->grid != NULL) bvxi_free(ctx, m->across[0], across_bytes(m));
     if (m->grid != NULL) bvxi_free(ctx, (void *)(uintptr_t)m->empty_row, (uint64_t)m->grid->words_per_row * 8);
-    bvxi_free(ctx, m->piece_counts, (uint64_t)m->pieces * 16);
+    bvxi_free(ctx, m->piece_counts, (uint64_t)m->pieces * 24);
     bvxi_free(ctx, m->slots, (m->slot_count + 1) * sizeof *m->slots);
 }
 

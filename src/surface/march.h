@@ -40,10 +40,11 @@ typedef struct bvxi_march {
     int32_t no_cells;                 /* 1: a side too short between open sides: no cells, so no edges of theirs */
     int32_t edge_words;               /* words of a row's x-edges: one bit more than voxels */
     uint64_t first_mask, last_mask;   /* visited cells of the first and last edge word */
+    uint64_t past_mask;               /* bits of a row's last word at or past size[0]: they must be 0 */
     bvxi_slot *slots;                 /* [Size: slot_count + 1] */
     uint64_t slot_count;
     int32_t pieces;
-    uint64_t *piece_counts;           /* [Size: pieces * 2] vertices, triangles */
+    uint64_t *piece_counts;           /* [Size: pieces * 3] vertices, triangles, bits at or past size[0] that are set */
     uint64_t vertex_count, triangle_count;
     double origin[3], spacing[3];     /* of positions: origin 0 in a local frame */
     const uint64_t *empty_row;        /* [Size: words_per_row] */

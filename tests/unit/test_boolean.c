@@ -356,6 +356,50 @@ static void test_refusals(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(NULL, &a, &b, 0, &o, &made));
 }
 
+/* Boxes that doubles hold in a lattice that reaches beyond them. */
+static void test_lattice_beyond_doubles(void)
+{
+    for (int32_t resolution = 4; resolution < 30; resolution += 5)
+        for (int sharp = 0; sharp < 2; sharp++) {
+            static const double low[3] = {-8.5e307, -8.5e307, -8.5e307}, high[3] = {8.5e307, 8.5e307, 8.5e307};
+            bvx_boolean_options o = with(resolution);
+            bvx_status status;
+            o.sharp = sharp;
+            o.position_type = BVX_F64;
+            make_boxes(low, high, low, high);
+            status = bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_RANGE, status, bvx_last_message(ctx));
+            TEST_ASSERT_NULL(made.positions);
+        }
+}
+
+/* The operands are read while the result is written. */
+static void test_arrays_of_the_operands_are_not_taken(void)
+{
+    static double positions[3 * 20000];
+    static uint32_t triangles[3 * 40000];
+    for (int operand = 0; operand < 2; operand++)
+        for (int array = 0; array < 2; array++) {
+            bvx_boolean_options const o = with(16);
+            bvx_mesh into = {0};
+            bvx_mesh_view *const view = operand == 0 ? &a : &b;
+            make_stars();
+            memcpy(positions, view->positions, (size_t)view->vertex_count * 24);
+            memcpy(triangles, view->indices, (size_t)view->triangle_count * 12);
+            if (array == 0) view->positions = positions;
+            else view->indices = triangles;
+            into.positions = positions;
+            into.triangles = triangles;
+            into.position_type = BVX_F32;
+            into.vertex_capacity = 20000;
+            into.triangle_capacity = 40000;
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &a, &b, 0, &o, &into));
+            TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), operand == 0 ? "mesh a: the result's" : "mesh b: the result's"));
+            if (array == 0) TEST_ASSERT_EQUAL_MEMORY(operand == 0 ? first.p : second.p, positions, (size_t)view->vertex_count * 24);
+            else TEST_ASSERT_EQUAL_MEMORY(operand == 0 ? first.t : second.t, triangles, (size_t)view->triangle_count * 12);
+        }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -369,5 +413,7 @@ int main(void)
     RUN_TEST(test_threads_and_code_paths_are_not_seen);
     RUN_TEST(test_golden);
     RUN_TEST(test_refusals);
+    RUN_TEST(test_lattice_beyond_doubles);
+    RUN_TEST(test_arrays_of_the_operands_are_not_taken);
     return UNITY_END();
 }

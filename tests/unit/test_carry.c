@@ -325,6 +325,7 @@ static void test_carry_refuses_targets(void)
     target.reserved[0] = 1, expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.reserved[0]"), target = good;
     target.frame[2] = nan(""), expect_refusal(BVX_ERR_RANGE, "target: mesh.frame"), target = good;
     target.vertex_capacity = 3, expect_refusal(BVX_ERR_ARGUMENT, "with a vertex_capacity of 3"), target = good;
+    target.vertex_capacity = (UINT64_C(1) << 61) + 4, expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.vertex_capacity is 2305843009213693956"), target = good;
     target.positions = NULL, expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.positions is NULL"), target = good;
     ((double *)target.positions)[3] = nan(""), expect_refusal(BVX_ERR_RANGE, "target: vertex 1 has x = nan");
     ((double *)target.positions)[3] = 1.7e308, target.frame[0] = 1.7e308;

@@ -289,6 +289,62 @@ static void test_moves_refuse(void)
     TEST_ASSERT_NULL(made.words);
 }
 
+/* ---- words that overlap ---- */
+
+static bvx_status crop_call(bvx_grid *result)
+{
+    bvx_window w;
+    memcpy(w.low, grid.low, sizeof w.low);
+    memcpy(w.size, grid.size, sizeof w.size);
+    return bvx_grid_crop(ctx, &grid, &w, result);
+}
+
+static bvx_status dilate_call(bvx_grid *result) { return bvx_grid_dilate(ctx, &grid, NULL, result); }
+static bvx_status fill_call(bvx_grid *result) { return bvx_grid_fill(ctx, &grid, NULL, 0, 6, result); }
+static bvx_status keep_call(bvx_grid *result) { return bvx_grid_keep(ctx, &grid, NULL, result); }
+static bvx_status union_call(bvx_grid *result) { return bvx_grid_union(ctx, &grid, &grid, result); }
+static bvx_status hollow_call(bvx_grid *result)
+{
+    bvx_hollow_options o;
+    bvx_hollow_options_init(&o, sizeof o);
+    o.thickness = 2;
+    return bvx_grid_hollow(ctx, &grid, &o, result);
+}
+
+/* A result may lie beside the grid, and for some calls be the grid; where it holds some of its words it is refused. */
+static void test_words_that_overlap_are_refused(void)
+{
+    static bvx_status (*const calls[6])(bvx_grid *) = {crop_call, dilate_call, fill_call, hollow_call, keep_call, union_call};
+    enum { WORDS = 2 * 6 * 5 };
+    static uint64_t pool[3 * WORDS], before[3 * WORDS];
+    bvx_grid own;
+    make_grid(70, 6, 5, 50);
+    own = grid;
+    memset(pool, 0, sizeof pool);
+    memcpy(pool + WORDS, own.words, sizeof *pool * WORDS);
+    memcpy(before, pool, sizeof pool);
+    for (int n = 0; n < 6; n++)
+        for (int at = 0; at <= 2 * WORDS; at++) {
+            int const apart = at == 0 || at == 2 * WORDS, same = at == WORDS;
+            bvx_grid result = {0};
+            bvx_status status;
+            grid = own;
+            grid.words = pool + WORDS;
+            grid.owned = 0;
+            result.words = pool + at;
+            result.word_capacity = WORDS;
+            status = calls[n](&result);
+            if (!apart && !(same && n >= 4)) {
+                TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, status);
+                TEST_ASSERT_EQUAL_MEMORY(before, pool, sizeof pool);
+            } else {
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(ctx));
+            }
+            memcpy(pool, before, sizeof pool);
+        }
+    grid = own;
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -302,5 +358,6 @@ int main(void)
     RUN_TEST(test_moves_are_the_same_for_any_threads);
     RUN_TEST(test_moves_take_words_of_the_callers);
     RUN_TEST(test_moves_refuse);
+    RUN_TEST(test_words_that_overlap_are_refused);
     return UNITY_END();
 }

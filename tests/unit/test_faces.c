@@ -411,6 +411,11 @@ static void test_refusals(void)
         *(field == 0 ? &o.position_type : field == 1 ? &o.merged : field == 2 ? &o.local_frame : &o.reserved) = 3;
         assert_faces_refused(&g, &o, BVX_ERR_ARGUMENT, words[field]);
     }
+    for (o.reserved = 0, o.merged = 0; o.merged < 2; o.merged++) {
+        g.words[g.words_per_row * 80] |= UINT64_C(1) << 9; /* the last row's first bit past the nine voxels */
+        assert_faces_refused(&g, &o, BVX_ERR_ARGUMENT, "bits set past the 9 voxels");
+        g.words[g.words_per_row * 80] ^= UINT64_C(1) << 9;
+    }
     assert_faces_refused(NULL, NULL, BVX_ERR_ARGUMENT, "grid");
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_faces(ctx, &g, NULL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_faces_count(ctx, &g, NULL, &n, NULL));

@@ -126,6 +126,14 @@ static void test_box_by_hand(void)
     d = f.distances;
     v = f.vectors;
     TEST_ASSERT_EQUAL_UINT64(UINT64_MAX, bvx_field_value(&f, 58, 2, 2)); /* 1.5 before the face x = 60 */
+    TEST_ASSERT_TRUE(bvx_field_value(&f, 60, 2, 2) < f.value_count);
+    for (int32_t n = -1; n < 4; n++) { /* a struct that is not what the words are; two words a row are right */
+        bvx_field wrong = f;
+        if (n < 2) wrong.band.words_per_row = n;
+        else if (n == 2) wrong.band.size[0] += 64;
+        else wrong.band.word_capacity = 0;
+        TEST_ASSERT_EQUAL_UINT64(UINT64_MAX, bvx_field_value(&wrong, 60, 2, 2));
+    }
     uint64_t n = bvx_field_value(&f, 59, 2, 2);
     TEST_ASSERT_EQUAL_FLOAT(0.5f, d[n]);
     TEST_ASSERT_EQUAL_FLOAT(0.5f, v[3 * n]);
@@ -384,9 +392,12 @@ static void test_options_out_of_range(void)
     bad.spacing[1] = 1e-40;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, refused(ctx, &view, &bad, &o, "BVX_F64"));
     bad = l;
-    bad.origin[0] = 1.7e308;
-    bad.spacing[0] = 1e307;
+    bad.origin[0] = 0x1.fffffffffffffp1023;
+    bad.spacing[0] = 1e299;
+    o.value_type = BVX_F64;
+    o.half_width = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, refused(ctx, &view, &bad, &o, "no finite place along x"));
+    o = good;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_measure_field(ctx, &view, &l, &o, &f));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_measure_field(ctx, &view, &l, &o, &f)); /* it is full */
     TEST_ASSERT_TRUE(f.value_count > 0);

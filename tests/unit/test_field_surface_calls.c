@@ -81,6 +81,7 @@ static void test_wrong_fields_are_refused(void)
     field.value_type = 0, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "value_type"), field = good;
     field.reserved[3] = 1, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "reserved"), field = good;
     field.row_values = NULL, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "row_values"), field = good;
+    field.inside.words[7] |= 16, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "past the 4 voxels"), field.inside.words[7] &= 15;
     field.value_count++, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "values"), field = good;
     field.row_values[3]++, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "row_values[3]"), field.row_values[3]--;
     field.vectors = NULL, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "vectors"), field = good;

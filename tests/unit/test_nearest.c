@@ -583,6 +583,16 @@ static void test_nearest_refuses(void)
     for (size_t i = 0; i < 3 * m.vertices; i++) m.p[i] = (double)(i / 3); /* all on one line */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &l, &nearest));
     TEST_ASSERT_EQUAL_STRING("f: no triangle has an area", bvx_last_message(ctx));
+    bvx_lattice wide = l;
+    make_mesh(0);
+    v = maker_view(&m);
+    wide.spacing[1] = 0x1p1021; /* 2^1024 is no double */
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &wide, &nearest));
+    TEST_ASSERT_EQUAL_STRING("f: the lattice's last voxel has no finite place along y", bvx_last_message(ctx));
+    wide.origin[1] = -0x1p1022;
+    wide.spacing[1] = 0x1p1020;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &wide, &nearest));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "along y lattice and mesh reach from"));
     v.index_type = 9;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &l, &nearest));
     TEST_ASSERT_NULL(nearest);

@@ -390,6 +390,30 @@ static void test_meshes_without_area(void)
     assert_refused(&o, BVX_ERR_RANGE, "vertex 0");
 }
 
+static void test_arrays_of_the_mesh_are_not_taken(void)
+{
+    static double positions[3 * 20000];
+    static uint32_t triangles[3 * 40000];
+    double const low[3] = {0, 0, 0}, high[3] = {3, 4, 5};
+    bvx_repair_options const o = defaults(16);
+    bvx_mesh into = {0};
+    bvx_mesh_view view;
+    maker_box(&mesh, low, high);
+    memcpy(positions + 9, mesh.p, mesh.vertices * 24);
+    view = maker_view(&mesh);
+    view.positions = positions + 9;
+    into.positions = positions;
+    into.triangles = triangles;
+    into.position_type = BVX_F32;
+    into.vertex_capacity = 20000;
+    into.triangle_capacity = 40000;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_repair(ctx, &view, &o, &into));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "the result's positions lie in the mesh's own arrays"));
+    TEST_ASSERT_EQUAL_MEMORY(mesh.p, positions + 9, mesh.vertices * 24);
+    into.vertex_capacity = 6; /* they end before the mesh's begin */
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_repair(ctx, &view, &o, &into));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -410,5 +434,6 @@ int main(void)
     RUN_TEST(test_measured_distances);
     RUN_TEST(test_bad_options);
     RUN_TEST(test_meshes_without_area);
+    RUN_TEST(test_arrays_of_the_mesh_are_not_taken);
     return UNITY_END();
 }

@@ -691,6 +691,30 @@ static void test_refusals_of_arguments(void)
     }
 }
 
+/* Bits past a row's end cannot be counted and placed alike, so words that hold one are refused wherever it is. */
+static void test_bits_past_the_rows_are_refused(void)
+{
+    static const int32_t widths[4] = {5, 63, 65, 130};
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    for (int32_t w = 0; w < 4; w++) {
+        open_grid(origin, spacing, widths[w], 4, 3, 0);
+        for (uint64_t row = 0; row < 12; row++)
+            for (int32_t bit = widths[w] % 64; bit < 64; bit += bit < 62 ? 62 - bit : 1) {
+                uint64_t *const word = &grid.words[(row + 1) * (uint64_t)grid.words_per_row - 1];
+                bvx_extract_options const o = extract_options();
+                bvx_mesh mesh = {0};
+                uint64_t vertices, triangles;
+                *word |= UINT64_C(1) << bit;
+                TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_surface(ctx, &grid, &o, &mesh));
+                TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bits set past the"));
+                TEST_ASSERT_NULL(mesh.positions);
+                TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_count(ctx, &grid, &o, &vertices, &triangles));
+                *word &= ~(UINT64_C(1) << bit);
+            }
+        bvx_grid_free(ctx, &grid);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -716,5 +740,6 @@ int main(void)
     RUN_TEST(test_callers_arrays_that_do_not_fit_the_request);
     RUN_TEST(test_a_mesh_is_used_again);
     RUN_TEST(test_refusals_of_arguments);
+    RUN_TEST(test_bits_past_the_rows_are_refused);
     return UNITY_END();
 }
