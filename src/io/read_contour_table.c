@@ -3,6 +3,7 @@
  * Columns section, position, loop, x and y, in any order; label too where there are several bodies; others are left alone. Words are
  * parted by commas, semicolons or tabs, whichever the head line has. Lines of one loop follow each other. Sections and loops are
  * known by what stands in their columns, so they may be numbers or names. */
+#include "core/key_tree.h"
 #include "io/contour_text.h"
 
 #include "mesh/radix.h"
@@ -25,8 +26,7 @@ typedef struct table_reader {
     uint64_t *section_hash;         /* of each section's word */
     uint64_t *loop_hash;            /* of each loop's words */
     uint64_t section_room, loop_room;
-    uint32_t *slot;                 /* open table: number of a section plus 1, at its hash or behind; 0: free */
-    uint64_t slot_count;            /* a power of two, twice the sections or more */
+    bvxi_key_tree sections;         /* by these hashes */
 } table_reader;
 
 static const char *table_line_end(const bvxi_contour_file *f, const char *p)
@@ -157,43 +157,28 @@ static uint64_t word_hash(table_word w, uint64_t seed)
     return bvx_hash(w.at, w.size, seed);
 }
 
-/* Where a section with this hash stands in the table, or the free place for it. */
-static uint64_t table_slot(const table_reader *r, uint64_t hash)
+/* A bvxi_key_fn. */
+static void section_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORDS])
 {
-    uint64_t at = hash & (r->slot_count - 1);
-    while (r->slot[at] != 0 && r->section_hash[r->slot[at] - 1] != hash) at = (at + 1) & (r->slot_count - 1);
-    return at;
-}
-
-static bvx_status make_table_slots(table_reader *r, uint64_t sections)
-{
-    uint64_t const count = r->slot_count == 0 ? 64 : 2 * r->slot_count;
-    uint32_t *slot;
-    if (2 * sections < r->slot_count) return BVX_OK;
-    BVXI_TRY(bvxi_alloc_zero(r->f->ctx, BVXI_SCRATCH, count * 4, "the names of sections", &slot));
-    bvxi_free(r->f->ctx, r->slot, r->slot_count * 4);
-    r->slot = slot;
-    r->slot_count = count;
-    for (uint64_t i = 0; i < sections; i++) slot[table_slot(r, r->section_hash[i])] = (uint32_t)i + 1;
-    return BVX_OK;
+    const table_reader *const r = user;
+    key[0] = (uint32_t)r->section_hash[number];
+    key[1] = (uint32_t)(r->section_hash[number] >> 32);
 }
 
 /* The section of the line's word. */
 static bvx_status find_table_section(table_reader *r, double position, uint32_t *section)
 {
     bvx_sections *const s = &r->f->sections;
-    uint64_t const hash = word_hash(r->word[TABLE_SECTION], 0);
-    BVXI_TRY(make_table_slots(r, s->section_count));
-    uint64_t const at = table_slot(r, hash);
-    if (r->slot[at] != 0) {
-        if (s->positions[r->slot[at] - 1] != position)
+    uint64_t const next = s->section_count, room = r->section_room;
+    BVXI_TRY(remember(r, &r->section_hash, next, &r->section_room, word_hash(r->word[TABLE_SECTION], 0)));
+    if (r->sections.key == NULL) BVXI_TRY(bvxi_key_tree_open(r->f->ctx, &r->sections, section_key, r, r->section_room));
+    else if (r->section_room > room) BVXI_TRY(bvxi_key_tree_grow(r->f->ctx, &r->sections, r->section_room));
+    *section = (uint32_t)bvxi_key_tree_find(&r->sections, next);
+    if (*section != next) {
+        if (s->positions[*section] != position)
             return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the section has another position on an earlier line");
-        *section = r->slot[at] - 1;
         return BVX_OK;
     }
-    BVXI_TRY(remember(r, &r->section_hash, s->section_count, &r->section_room, hash));
-    *section = (uint32_t)s->section_count;
-    r->slot[at] = *section + 1;
     return bvxi_contour_add_section(r->f, position);
 }
 
@@ -277,6 +262,6 @@ bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
     status = read_table_lines(&r);
     bvxi_free(f->ctx, r.loop_hash, r.loop_room * 8);
     bvxi_free(f->ctx, r.section_hash, r.section_room * 8);
-    bvxi_free(f->ctx, r.slot, r.slot_count * 4);
+    bvxi_key_tree_close(f->ctx, &r.sections);
     return status;
 }

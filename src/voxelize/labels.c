@@ -1,7 +1,9 @@
 /* labels.c - the values of a label map: bvx_list_labels.
  *
  * Rows are read as runs of one value. A run is added to its value's entry, which is looked up among all entries by hashing, but
- * mostly is that of the run before. Guarantee: ascending values; nothing of the table's order is seen. */
+ * mostly is that of the run before. Where the table searches too long, as for values that were made against the hash, a tree takes
+ * its place (core/key_tree.h). Guarantee: ascending values; nothing of the table's order is seen. */
+#include "core/key_tree.h"
 #include "grid/volume.h"
 #include "mesh/radix.h"
 
@@ -18,16 +20,41 @@ typedef struct label_entry {
 typedef struct label_table {
     bvx_context *ctx;
     label_entry *entries;
-    uint32_t *slots;           /* entry and 1, 0 for none [Size: 2 * room] */
+    uint32_t *slots;           /* entry and 1, 0 for none [Size: 2 * room]; NULL beside the tree */
     uint64_t count, room;      /* room is a power of two */
+    uint64_t searches, probes;
+    bvxi_key_tree tree;
 } label_table;
 
-static uint64_t label_slot(const label_table *t, uint64_t value)
+static uint64_t label_slot(label_table *t, uint64_t value)
 {
     uint64_t h = (value ^ value >> 32) * UINT64_C(0x9e3779b97f4a7c15);
+    t->searches++;
     h = (h >> 29) & (2 * t->room - 1);
-    while (t->slots[h] != 0 && t->entries[t->slots[h] - 1].value != value) h = (h + 1) & (2 * t->room - 1);
+    for (; t->slots[h] != 0 && t->entries[t->slots[h] - 1].value != value; t->probes++) h = (h + 1) & (2 * t->room - 1);
     return h;
+}
+
+/* A bvxi_key_fn. */
+static void label_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORDS])
+{
+    const label_table *const t = user;
+    key[0] = (uint32_t)t->entries[number].value;
+    key[1] = (uint32_t)(t->entries[number].value >> 32);
+}
+
+static void free_label_slots(label_table *t)
+{
+    bvxi_free(t->ctx, t->slots, t->slots == NULL ? 0 : 2 * t->room * sizeof *t->slots);
+    t->slots = NULL;
+}
+
+static bvx_status plant_labels(label_table *t)
+{
+    free_label_slots(t);
+    BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
+    for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
+    return BVX_OK;
 }
 
 static bvx_status grow_labels(label_table *t)
@@ -35,33 +62,39 @@ static bvx_status grow_labels(label_table *t)
     uint64_t const room = t->room == 0 ? FIRST_LABELS : 2 * t->room;
     if (room > UINT32_MAX / 2)
         return bvxi_fail(t->ctx, BVX_ERR_RANGE, "%s: more than 2^30 labels", labels_name);
-    bvxi_free(t->ctx, t->slots, 2 * t->room * sizeof *t->slots);
-    t->slots = NULL;
+    free_label_slots(t);
     BVXI_TRY(bvxi_resize(t->ctx, BVXI_SCRATCH, &t->entries, t->room * sizeof *t->entries, room * sizeof *t->entries, "the labels"));
     t->room = room;
-    bvx_status const status = bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, 2 * room * sizeof *t->slots, "the table of labels", &t->slots);
-    if (status != BVX_OK) return status;
+    if (t->tree.key != NULL) return bvxi_key_tree_grow(t->ctx, &t->tree, room);
+    BVXI_TRY(bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, 2 * room * sizeof *t->slots, "the table of labels", &t->slots));
     for (uint64_t i = 0; i < t->count; i++) t->slots[label_slot(t, t->entries[i].value)] = (uint32_t)(i + 1);
     return BVX_OK;
+}
+
+/* The number of a value's entry: count, known from now on, where there was none. */
+static uint64_t number_of_label(label_table *t, uint64_t value)
+{
+    t->entries[t->count].value = value;
+    if (t->tree.key != NULL) return bvxi_key_tree_find(&t->tree, t->count);
+    uint64_t const slot = label_slot(t, value);
+    if (t->slots[slot] == 0) t->slots[slot] = (uint32_t)(t->count + 1);
+    return t->slots[slot] - 1;
 }
 
 /* The entry of a value, a new one where there is none yet. */
 static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
 {
-    uint64_t slot;
     if (t->count == t->room) BVXI_TRY(grow_labels(t));
-    slot = label_slot(t, value);
-    if (t->slots[slot] == 0) {
+    if (t->tree.key == NULL && t->probes > bvxi_probe_limit(t->searches)) BVXI_TRY(plant_labels(t));
+    *entry = number_of_label(t, value);
+    if (*entry == t->count) {
         label_entry *const e = &t->entries[t->count++];
-        e->value = value;
         e->voxels = 0;
         for (int a = 0; a < 3; a++) {
             e->low[a] = INT32_MAX;
             e->high[a] = -1;
         }
-        t->slots[slot] = (uint32_t)t->count;
     }
-    *entry = t->slots[slot] - 1;
     return BVX_OK;
 }
 
@@ -172,7 +205,8 @@ bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, 
         else if (labels != NULL && t.count != 0)
             status = give_labels(&t, volume->sample_type % 2 == 0, labels);
     }
-    bvxi_free(context, t.slots, t.slots == NULL ? 0 : 2 * t.room * sizeof *t.slots);
+    free_label_slots(&t);
+    bvxi_key_tree_close(context, &t.tree);
     bvxi_free(context, t.entries, t.room * sizeof *t.entries);
     return status;
 }

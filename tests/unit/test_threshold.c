@@ -264,6 +264,38 @@ static void test_labels_of_many_large_values(void)
     free_volume(&t);
 }
 
+/* Values that all want one place of the table, so that it would look at every one before: one in seven stands twice. */
+static void test_labels_made_against_the_hash(void)
+{
+    enum { SIDE = 400, VALUES = SIDE * SIDE };
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    uint64_t *const value = malloc(VALUES * sizeof *value), inverse = UINT64_C(0x9e3779b97f4a7c15), count;
+    bvx_label *const labels = malloc(VALUES * sizeof *labels);
+    bvx_volume_view view;
+    uint64_t voxels = 0;
+    TEST_ASSERT_TRUE(value != NULL && labels != NULL);
+    for (int i = 0; i < 5; i++) inverse *= 2 - UINT64_C(0x9e3779b97f4a7c15) * inverse; /* Newton, modulo 2^64 */
+    for (uint64_t n = 0; n < VALUES; n++) {
+        uint64_t const mixed = (n % 7 == 6 ? n : n + 1) * inverse; /* the table's hash of it is below 2^29, so its place is 0 */
+        value[n] = mixed ^ mixed >> 32;
+    }
+    memset(&view, 0, sizeof view);
+    view.samples = value;
+    view.sample_type = BVX_SAMPLE_U64;
+    view.size[0] = view.size[1] = SIDE;
+    view.size[2] = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, view.size, &view.lattice));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_list_labels(ctx, &view, labels, VALUES, &count));
+    for (uint64_t i = 0; i < count; i++) {
+        voxels += labels[i].voxels;
+        if (i > 0) TEST_ASSERT_TRUE((uint64_t)labels[i].value > (uint64_t)labels[i - 1].value);
+    }
+    TEST_ASSERT_EQUAL_UINT64(VALUES - VALUES / 7, count);
+    TEST_ASSERT_EQUAL_UINT64(VALUES, voxels);
+    free(labels);
+    free(value);
+}
+
 static void test_labels_of_nothing(void)
 {
     static const int32_t size[3] = {5, 5, 5};
@@ -287,6 +319,7 @@ int main(void)
     RUN_TEST(test_threshold_refusals);
     RUN_TEST(test_labels_of_every_whole_type);
     RUN_TEST(test_labels_of_many_large_values);
+    RUN_TEST(test_labels_made_against_the_hash);
     RUN_TEST(test_labels_of_nothing);
     return UNITY_END();
 }
