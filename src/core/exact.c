@@ -2,18 +2,22 @@
  *
  * Rounding other than to nearest, intermediate results wider than their type (x87) and contracted products (a * b + c
  * rounded once) would change results silently, and so would the parts of fast-math: numbers taken to be finite, sums
- * regrouped, quotients made products. Each shows in a sum of volatile operands, or in one of a number that is read once, which such
- * a compiler shortens to the answer that is wrong; a build or a thread that shows one is refused when its context is created. Flushing of subnormal numbers is not asked: it changes no result of numbers
- * that are not subnormal themselves. */
+ * regrouped, quotients made products. Each shows in a sum of volatile operands, or in one of a number that is read once, which
+ * such a compiler shortens to the answer that is wrong; a build or a thread that shows one is refused when its context is
+ * created. Flushing of subnormal numbers is not asked: it changes no result of numbers that are not subnormal themselves.
+ * Nothing here overflows, divides by zero or is invalid: the thread may have such exceptions made signals. */
 #include "context.h"
 
 /* The parts of fast-math that have no macro in every compiler. */
 static const char *fast_math_fault(void)
 {
-    volatile double const most = 1.7976931348623157e308, three = 3.0, one = 1.0, half = 1.0 / 9007199254740992.0;
-    double const infinite = most * three, large = one, small = half, tenth = three / 10.0;
-    double const none = infinite - infinite;
-    if (none == none || infinite - infinite == 0.0) return "numbers are taken to be finite; compile without -ffinite-math-only";
+    volatile uint64_t const quiet_nan = UINT64_C(0x7ff8000000000000);
+    volatile double const three = 3.0, one = 1.0, half = 1.0 / 9007199254740992.0;
+    uint64_t const bits = quiet_nan;
+    double const large = one, small = half, tenth = three / 10.0;
+    double none;
+    memcpy(&none, &bits, sizeof none);
+    if (none == none) return "numbers are taken to be finite; compile without -ffinite-math-only";
     if ((large + small) - large != 0.0) return "sums are regrouped; compile without -fassociative-math and -funsafe-math-optimizations";
     if (tenth != 0.3) return "quotients are made products; compile without -freciprocal-math and -funsafe-math-optimizations";
     return NULL;

@@ -96,6 +96,17 @@ static void test_create_refuses_other_rounding(void **state)
     }
 }
 
+/* A caller may have these exceptions made signals. */
+static void test_create_raises_no_floating_exception(void **state)
+{
+    bvx_context *ctx = NULL;
+    (void)state;
+    feclearexcept(FE_ALL_EXCEPT);
+    assert_int_equal(bvx_context_create(NULL, &ctx), BVX_OK);
+    assert_int_equal(fetestexcept(FE_INVALID | FE_OVERFLOW | FE_DIVBYZERO), 0);
+    bvx_context_destroy(ctx);
+}
+
 static void test_create_refuses_bad_options(void **state)
 {
     static unsigned char memory[4096];
@@ -333,6 +344,7 @@ int main(void)
         cmocka_unit_test(test_create_with_every_allocation_failing),
         cmocka_unit_test(test_create_refuses_another_interface),
         cmocka_unit_test(test_create_refuses_other_rounding),
+        cmocka_unit_test(test_create_raises_no_floating_exception),
         cmocka_unit_test(test_create_refuses_bad_options),
         cmocka_unit_test(test_destroy_and_queries_take_null),
         cmocka_unit_test(test_create_keeps_to_the_portable_path),
