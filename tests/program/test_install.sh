@@ -84,7 +84,7 @@ builds_static() { # MAKE SETTINGS...
 }
 
 static_without_openmp() {
-    builds_static OPENMP=0 ZLIB=0 BUILD="$work/plain" || return 1
+    builds_static OPENMP=0 ZLIB=0 CFLAGS=-O0 BUILD="$work/plain" || return 1
     ! grep -q openmp "$work/static/lib/pkgconfig/bitvox.pc"
 }
 
