@@ -40,7 +40,7 @@ compiles() { # COMPILER AND FLAGS..., program on standard input
 long_tests='test_below test_cast test_collapse test_field test_field_dense test_field_signs test_flood test_lod test_nearest
     test_nearest_parts test_polygon test_read_obj test_read_ply test_refine test_refine_children test_refine_parts test_regions
     test_render_cut test_render_paint test_seeds test_sharp test_solid_exact test_solid_same test_vote test_winding
-    test_winding_loose'
+    test_winding_loose test_blocks test_weld test_render test_repair test_repair_defects test_boolean'
 left_out=
 
 # ---- Rows: each is make with its settings ----
@@ -65,7 +65,7 @@ build() { # ROW, GOALS...: sets $folder
     row=$1
     shift
     folder=$("row_$row" print-folder)
-    check "$row/build $*" build_or_remove "$@"
+    check "$row/build $1" build_or_remove "$@"
 }
 
 # When something does not build, programs of an earlier build must not stand for it.
@@ -74,6 +74,13 @@ build_or_remove() { # GOALS...
     find "$folder/tests" -type f ! -name '*.[od]' -exec rm -f {} + 2>/dev/null
     "row_$row" "$@" >/dev/null 2>&1
     return 1
+}
+
+programs_of() { # KIND: in $folder, but for those left out
+    for source in tests/"$1"/*.c; do
+        case " $left_out " in *" $(basename "$source" .c) "*) continue ;; esac
+        echo "$folder/${source%.c}"
+    done
 }
 
 run_kind() { # ROW, KIND, RUNNER, PROGRAM ARGUMENTS...
@@ -241,6 +248,7 @@ tests_here() {
 
 tests_of_other_compilers() {
     for row in plain fast clang; do
+        if [ $row = fast ] && [ "$CC ${CFLAGS:-}" = "cc -O3" ]; then continue; fi # that was the native row
         if [ $row = clang ] && ! has clang; then
             skip clang "clang is missing"
             continue
@@ -279,11 +287,13 @@ tests_of_other_machines() { # whole: no long test is left out on s390x
     elif ! has qemu-s390x; then
         skip s390x "qemu-s390x is missing"
     else
-        build s390x test-programs
         if [ "$1" != whole ]; then
             left_out=$(echo $long_tests)
             skip s390x "$(echo $long_tests | wc -w) long tests; make test-machines runs them"
         fi
+        folder=$(row_s390x print-folder)
+        # shellcheck disable=SC2046
+        build s390x golden-program $(programs_of unit)
         run_kind s390x unit qemu-s390x
         left_out=
         run_golden s390x qemu-s390x
@@ -301,7 +311,7 @@ quick)
     tests_here
     ;;
 full)
-    # The other machines' rows run beside the rest; their lines come when they have ended.
+    # The rows of other machines and compilers run beside the rest; their lines come when they have ended.
     machines=$(log_of machines)
     sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
     sh tests/tools/run_tests.sh beside >"$machines" 2>&1 </dev/null &
@@ -309,7 +319,8 @@ full)
     trap 'kill $beside 2>/dev/null; exit 130' INT TERM
     tests_here
     run_python
-    tests_of_other_compilers
+    BVX_QUICK=1
+    export BVX_QUICK
     run_fault san
     run_fuzz san ''
     wait $beside
@@ -324,6 +335,8 @@ machines | beside)
         tests_of_other_machines whole
     else
         tests_of_other_machines brief
+        unset BVX_QUICK
+        tests_of_other_compilers
     fi
     ;;
 san)

@@ -310,8 +310,12 @@ static void test_read_stl_made_against_the_hash(void)
     TEST_ASSERT_EQUAL_UINT64(2 * n, m.triangle_count);
     TEST_ASSERT_EQUAL_UINT64(3 * n, m.vertex_count);
     for (uint32_t k = 0; k < 6 * n; k++) TEST_ASSERT_EQUAL_UINT32(k % (3 * n), m.triangles[k]);
-    for (uint32_t k = 0; k < 3 * n; k++)
-        TEST_ASSERT_EQUAL_MEMORY(bytes + 96 + (size_t)(k / 3) * 50 + k % 3 * 12, (const float *)m.positions + 3 * k, 12);
+    for (uint32_t k = 0; k < 9 * n; k++) {
+        const uint8_t *const p = bytes + 96 + (size_t)(k / 9) * 50 + k % 9 * 4;
+        uint32_t bits;
+        memcpy(&bits, (const float *)m.positions + k, sizeof bits);
+        TEST_ASSERT_EQUAL_HEX32((uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24, bits);
+    }
     bvx_mesh_free(ctx, &m);
     free(bytes);
 }
