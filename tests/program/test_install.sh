@@ -4,9 +4,10 @@
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BUILD:=build}" "${CC:=cc}" "${MAKE_COMMAND:=make}"
-work=$PWD/$BUILD/install-test
+work=$BUILD/install-test
 rm -rf "$work"
 mkdir -p "$work"
+work=$(cd "$work" && pwd) || exit 1
 logs=$work/logs
 . tests/tools/counting.sh
 
