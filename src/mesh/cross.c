@@ -1,0 +1,243 @@
+/* cross.c - two triangles cross: what the filters of cross.h leave open.
+ *
+ * Nothing in common: two convex sets of which neither lies strictly inside a side of the other's plane meet where an edge of
+ * one meets the other.
+ * A common corner: from that corner through another common point both triangles go on until one of them ends, and there
+ * the ray is on the edge of one opposite to the corner, and in the other. So the opposite edges are what to look at. A
+ * degenerate triangle ends at one of its other corners.
+ * A common edge: planes that differ meet in the edge's line, so what is left is a fold that lies flat: both other corners on one
+ * side of the edge in one plane.
+ * Three common corners: the same triangle, with points off its edges when it has an area.
+ *
+ * Everything here is a sign of orient.h, so it is exact; the order of the tests changes the time only. */
+#include "mesh/cross.h"
+
+/* ---- Triangles and segments in a plane or on a line ---- */
+
+/* A coordinate axis along which the triangle has an area when seen from there, or -1. */
+static int cross_axis(const double *const t[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+        if (bvxi_orient_flat(t[0], t[1], t[2], axis) != 0) return axis;
+    return -1;
+}
+
+int bvxi_has_area(const double *const t[3])
+{
+    return cross_axis(t) >= 0;
+}
+
+/* 1 when, seen along axis, the line of an edge of p has p on one side and q's own corners strictly on the other, for
+ * certain, and what corners of p are in q are ends of that edge. Then the triangles meet in these corners only. */
+static int cross_beside(const double *const p[3], const double *const q[3], int axis)
+{
+    unsigned const own = bvxi_cross_own(p, q), not_in_q = bvxi_cross_own(q, p);
+
+    for (unsigned i = 0; i < 3; i++) {
+        unsigned const k = i == 2 ? 0 : i + 1, l = i == 0 ? 2 : i - 1; /* the edge from i to k, opposite to l */
+        int apart = own != 0 && (not_in_q >> l & 1) != 0, side;
+
+        if (!apart) continue;
+        side = bvxi_orient_flat_side(p[i], p[k], p[l], axis);
+        apart = side != 0;
+        for (unsigned j = 0; j < 3 && apart; j++)
+            if ((own >> j & 1) != 0) apart = bvxi_orient_flat_side(p[i], p[k], q[j], axis) == -side;
+        if (apart) return 1;
+    }
+
+    return 0;
+}
+
+/* The axis along which a triangle shows most of its area, nearly. */
+static int cross_view_axis(const double *const t[3])
+{
+    bvxi_orient_plane plane;
+    double size[3];
+
+    bvxi_orient_plane_of(t, &plane);
+    for (int k = 0; k < 3; k++) size[k] = bvxi_orient_size(plane.normal[k]);
+
+    if (size[0] > size[1]) return size[0] > size[2] ? 0 : 2;
+    return size[1] > size[2] ? 1 : 2;
+}
+
+/* 1 when p is in the box of a and b, the coordinate along axis left out (3: none is). On the line of a and b: between them. */
+static int cross_in_box(const double p[3], const double a[3], const double b[3], int axis)
+{
+    for (int k = 0; k < 3; k++)
+        if (k != axis && ((p[k] < a[k] && p[k] < b[k]) || (p[k] > a[k] && p[k] > b[k]))) return 0;
+    return 1;
+}
+
+/* 1 when p, in the plane of t, is in t. */
+static int cross_flat_inside(const double p[3], const double *const t[3], int axis)
+{
+    int const a = bvxi_orient_flat(t[0], t[1], p, axis);
+    int const b = bvxi_orient_flat(t[1], t[2], p, axis);
+    int const c = bvxi_orient_flat(t[2], t[0], p, axis);
+    return !((a > 0 || b > 0 || c > 0) && (a < 0 || b < 0 || c < 0));
+}
+
+/* 1 when the closed segments p q and a b meet, seen along axis. A segment may be one point. */
+static int cross_flat_segments(const double p[3], const double q[3], const double a[3], const double b[3], int axis)
+{
+    int const to_a = bvxi_orient_flat(p, q, a, axis), to_b = bvxi_orient_flat(p, q, b, axis);
+    int const to_p = bvxi_orient_flat(a, b, p, axis), to_q = bvxi_orient_flat(a, b, q, axis);
+
+    if (to_a * to_b < 0 && to_p * to_q < 0) return 1;
+    return (to_a == 0 && cross_in_box(a, p, q, axis)) || (to_b == 0 && cross_in_box(b, p, q, axis)) ||
+           (to_p == 0 && cross_in_box(p, a, b, axis)) || (to_q == 0 && cross_in_box(q, a, b, axis));
+}
+
+/* 1 when the closed segments p q and a b meet in space. */
+static int cross_segments(const double p[3], const double q[3], const double a[3], const double b[3])
+{
+    if (bvxi_orient(p, q, a, b) != 0) return 0;
+
+    /* Four points of a plane: seen along an axis that shows an area of three of them, the plane loses nothing. */
+    for (int axis = 0; axis < 3; axis++)
+        if (bvxi_orient_flat(p, q, a, axis) != 0 || bvxi_orient_flat(p, q, b, axis) != 0 ||
+            bvxi_orient_flat(a, b, p, axis) != 0 || bvxi_orient_flat(a, b, q, axis) != 0)
+            return cross_flat_segments(p, q, a, b, axis);
+
+    /* Four points of a line: one segment has an end in the other. */
+    return cross_in_box(a, p, q, 3) || cross_in_box(b, p, q, 3) || cross_in_box(p, a, b, 3) || cross_in_box(q, a, b, 3);
+}
+
+/* ---- Triangles in space ---- */
+
+typedef struct cross_triangle {
+    const double *corner[3];
+    int side[3]; /* of each corner, as bvxi_orient has it of the other triangle */
+    int has_area;
+} cross_triangle;
+
+/* Sides, and whether there are areas: a triangle of which some point is off the plane has one. */
+static void cross_open(const double *const p[3], const double *const q[3], cross_triangle *a, cross_triangle *b)
+{
+    unsigned const own_p = bvxi_cross_own(q, p), own_q = bvxi_cross_own(p, q);
+
+    for (unsigned k = 0; k < 3; k++) {
+        a->corner[k] = p[k];
+        b->corner[k] = q[k];
+        a->side[k] = (own_p >> k & 1) != 0 ? bvxi_orient(q[0], q[1], q[2], p[k]) : 0;
+        b->side[k] = (own_q >> k & 1) != 0 ? bvxi_orient(p[0], p[1], p[2], q[k]) : 0;
+    }
+
+    a->has_area = b->side[0] != 0 || b->side[1] != 0 || b->side[2] != 0 || bvxi_has_area(p);
+    b->has_area = a->side[0] != 0 || a->side[1] != 0 || a->side[2] != 0 || bvxi_has_area(q);
+}
+
+/* 1 when the closed segment from corner i to corner k of a meets b. i may be k: that point alone. */
+static int cross_edge(const cross_triangle *a, int i, int k, const cross_triangle *b)
+{
+    const double *const *const t = b->corner, *const p = a->corner[i], *const q = a->corner[k];
+    int side[3];
+
+    if (!b->has_area)
+        return cross_segments(p, q, t[0], t[1]) || cross_segments(p, q, t[1], t[2]) || cross_segments(p, q, t[2], t[0]);
+    if (a->side[i] * a->side[k] > 0) return 0;
+
+    if (a->side[i] == 0 && a->side[k] == 0) {
+        int const axis = cross_axis(t);
+
+        if (cross_flat_inside(p, t, axis) || cross_flat_inside(q, t, axis)) return 1;
+        return cross_flat_segments(p, q, t[0], t[1], axis) || cross_flat_segments(p, q, t[1], t[2], axis) ||
+               cross_flat_segments(p, q, t[2], t[0], axis);
+    }
+
+    /* The line meets the plane in one point, which the segment has; it is in b when the line passes all edges on one side. */
+    side[0] = bvxi_orient(p, q, t[0], t[1]);
+    side[1] = bvxi_orient(p, q, t[1], t[2]);
+    if (side[0] * side[1] < 0) return 0;
+    side[2] = bvxi_orient(p, q, t[2], t[0]);
+    return side[0] * side[2] >= 0 && side[1] * side[2] >= 0;
+}
+
+/* 1 when an edge of a meets b. */
+static int cross_any_edge(const cross_triangle *a, const cross_triangle *b)
+{
+    return cross_edge(a, 0, 1, b) || cross_edge(a, 1, 2, b) || cross_edge(a, 2, 0, b);
+}
+
+/* 1 when a meets b where a ray from their common corner leaves a. */
+static int cross_opposite(const cross_triangle *a, const double *common, const cross_triangle *b)
+{
+    int own[2] = {0, 0}, count = 0;
+
+    for (int k = 0; k < 3; k++)
+        if (a->corner[k] != common) own[count++] = k;
+
+    if (a->has_area) return cross_edge(a, own[0], own[1], b);
+    for (int k = 0; k < count; k++)
+        if (cross_edge(a, own[k], own[k], b)) return 1;
+    return 0;
+}
+
+/* Of c on the line of a and b: 1 beyond b, -1 beyond a, 0 between. */
+static int cross_beyond(const double a[3], const double b[3], const double c[3])
+{
+    if (cross_in_box(c, a, b, 3)) return 0;
+    return cross_in_box(b, a, c, 3) ? 1 : -1;
+}
+
+/* The triangles a b c and a b d, with different corners each. */
+static int cross_fold(const double *a, const double *b, const double *c, const double *d)
+{
+    const double *const p[3] = {a, b, c}, *const q[3] = {a, b, d};
+    int axis, other;
+
+    if (bvxi_orient(a, b, c, d) != 0) return 0;
+
+    /* One plane, unless a triangle has no area: then it is on the line of the common edge. */
+    axis = cross_axis(p);
+    other = cross_axis(q);
+    if (axis >= 0 && other >= 0) return bvxi_orient_flat(a, b, c, axis) == bvxi_orient_flat(a, b, d, axis);
+    if (axis >= 0 || other >= 0) return 0;
+
+    return cross_beyond(a, b, c) != 0 && cross_beyond(a, b, c) == cross_beyond(a, b, d);
+}
+
+/* What p and q have in common, each once, and what each has alone; a corner that is there twice counts once. */
+typedef struct cross_corners {
+    const double *common[3], *own_p, *own_q;
+    int count;
+} cross_corners;
+
+static void cross_compare(const double *const p[3], const double *const q[3], cross_corners *c)
+{
+    c->count = 0;
+    c->own_p = c->own_q = NULL;
+
+    for (int i = 0; i < 3; i++) {
+        int const again = (i > 0 && p[i] == p[0]) || (i > 1 && p[i] == p[1]);
+
+        if (p[i] != q[0] && p[i] != q[1] && p[i] != q[2]) c->own_p = p[i];
+        else if (!again) c->common[c->count++] = p[i];
+        if (q[i] != p[0] && q[i] != p[1] && q[i] != p[2]) c->own_q = q[i];
+    }
+}
+
+int bvxi_triangles_cross_rest(const double *const p[3], const double *const q[3])
+{
+    int const axis = cross_view_axis(p);
+
+    /* Most that reach this point are neighbours in one plane, or nearly. */
+    if (cross_beside(p, q, axis) || cross_beside(q, p, axis)) return 0;
+
+    return bvxi_triangles_cross_exact(p, q);
+}
+
+int bvxi_triangles_cross_exact(const double *const p[3], const double *const q[3])
+{
+    cross_corners c;
+    cross_triangle a, b;
+
+    cross_compare(p, q, &c);
+    if (c.count == 3) return bvxi_has_area(p);
+    if (c.count == 2) return c.own_p != NULL && c.own_q != NULL && cross_fold(c.common[0], c.common[1], c.own_p, c.own_q);
+
+    cross_open(p, q, &a, &b);
+    if (c.count == 1) return cross_opposite(&a, c.common[0], &b) || cross_opposite(&b, c.common[0], &a);
+    return cross_any_edge(&a, &b) || cross_any_edge(&b, &a);
+}
