@@ -334,6 +334,23 @@ typedef struct bvx_certificate {
 BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
                                   bvx_certificate *certificate);
 
+/** Pairs of triangles that cross: that have a common point which is neither a common vertex nor on a common edge. Vertices at
+ *  equal positions are one (-0 equals 0). Touching is crossing: a vertex that lies on another triangle, an overlap in one
+ *  plane, a fold that lies flat on its neighbour, a triangle that is there twice. Triangles without area are left out.
+ *  count     out; pairs that cross
+ *  pairs     [Size: capacity * 2] two triangle indices a pair, the lower one first; pairs ascend by the first, then by the
+ *            second. NULL: count only
+ *  capacity  pairs that the array holds [Limit: the list has fewer than 2^32]
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (index or coordinate, with its number; too many pairs), BVX_ERR_CAPACITY (count is
+ *  then what there are), BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. All vertices must be finite, used or not. A mesh
+ *  without triangles has none.
+ *  Memory: 85 bytes a triangle (f64: 121) and 4 a vertex, or 10 a vertex where that is more; 24 a pair that is listed.
+ *  Cost: O(triangles log triangles + pairs of triangles whose boxes meet). Exact: for all finite doubles, with no tolerance,
+ *  and the same for any order of vertices and triangles; on a thread that flushes subnormal numbers for coordinates
+ *  that are 0 or at least 2^-960 in size. */
+BVX_API bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count, uint32_t *pairs,
+                                      uint64_t capacity);
+
 /** Normals of length 1, three floats each, outwards where the mesh is oriented so. Either array may be NULL.
  *  vertex_normals  [Size: vertex_count * 3] the sum of the facets' normals, each counted by its area
  *  facet_normals   [Size: triangle_count * 3] averaged 0: of each facet itself; 1: the mean of its three vertices' normals

@@ -211,6 +211,30 @@ static bvx_status normals(void *user, bvx_context *ctx)
     return status;
 }
 
+/* Of triangles that have nothing to do with each other. */
+static bvx_status crossings(void *user, bvx_context *ctx)
+{
+    enum { SOUP = 40, MOST = SOUP * SOUP };
+    static float soup[9 * SOUP];
+    static uint32_t pairs[2 * MOST];
+    bvx_mesh_view view;
+    uint64_t count, from = 5;
+    bvx_status status;
+    (void)user;
+    for (int i = 0; i < 9 * SOUP; i++) soup[i] = (float)maker_below(&from, 1000);
+    memset(&view, 0, sizeof view);
+    view.positions = soup;
+    view.position_type = BVX_F32;
+    view.vertex_count = 3 * SOUP;
+    view.triangle_count = SOUP;
+    status = bvx_mesh_crossings(ctx, &view, &count, pairs, MOST);
+    if (status == BVX_OK) {
+        assert_true(count > 10);
+        mark = bvx_hash(pairs, (size_t)count * 8, 0);
+    } else note_left(&count, &(uint64_t){0}, sizeof count);
+    return status;
+}
+
 static bvx_status distance(void *user, bvx_context *ctx)
 {
     bvx_distance_report report;
@@ -340,6 +364,7 @@ static const stage stages[] = {
     {"merge", merge, 1, 1},
     {"check", check, 1, 1},
     {"normals", normals, 0, 1},
+    {"crossings", crossings, 1, 1},
     {"distance", distance, 1, 1},
     {"read STL", read_stl, 1, 1},
     {"read OBJ", read_obj, 1, 1},

@@ -99,6 +99,22 @@ static void fuzz_distances(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m,
     if (fuzz_good(ctx, bvx_mesh_carry(ctx, &source, surface))) fuzz_require(surface->colours != NULL, "colours that were not carried");
 }
 
+/* In order, each once, and the same pairs with more threads. */
+static void fuzz_crossings(bvx_context *ctx, bvx_context *other, const bvx_mesh_view *view)
+{
+    static uint32_t pairs[FUZZ_TRIANGLES * FUZZ_TRIANGLES], twins[FUZZ_TRIANGLES * FUZZ_TRIANGLES];
+    uint64_t count = 0, again = 0;
+    if (!fuzz_good(ctx, bvx_mesh_crossings(ctx, view, &count, NULL, 0))) return;
+    fuzz_must(ctx, bvx_mesh_crossings(ctx, view, &again, pairs, count));
+    fuzz_require(count == again && count <= view->triangle_count * (view->triangle_count - 1) / 2, "another count with a list");
+    for (uint64_t i = 0; i < count; i++) {
+        fuzz_require(pairs[2 * i] < pairs[2 * i + 1] && pairs[2 * i + 1] < view->triangle_count, "a pair that is none");
+        fuzz_require(i == 0 || pairs[2 * i - 2] < pairs[2 * i] || (pairs[2 * i - 2] == pairs[2 * i] && pairs[2 * i - 1] < pairs[2 * i + 1]), "pairs out of order");
+    }
+    fuzz_must(other, bvx_mesh_crossings(other, view, &again, twins, count));
+    fuzz_require(count == again && memcmp(pairs, twins, (size_t)count * 8) == 0, "other pairs with more threads");
+}
+
 static void fuzz_normals(bvx_context *ctx, fuzz_input *in, const bvx_mesh_view *view)
 {
     static float vertex[3 * FUZZ_VERTICES], facet[3 * FUZZ_TRIANGLES];
@@ -204,7 +220,10 @@ static void fuzz_one(fuzz_input *in)
         case 3: if (surface.triangle_count > 0) fuzz_distances(ctx, in, &m, &surface); break;
         case 4: fuzz_chosen_tree(ctx, in, &m); break;
         case 5: fuzz_pictures(ctx, other, in, &m, &solid); break;
-        case 6: fuzz_normals(ctx, in, &m.view); break;
+        case 6:
+            fuzz_normals(ctx, in, &m.view);
+            fuzz_crossings(ctx, other, &m.view);
+            break;
         default: fuzz_parts(ctx, &solid);
         }
     }

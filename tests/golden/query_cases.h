@@ -36,7 +36,7 @@ static uint64_t mixed_integers(uint64_t hash, const int32_t *values, uint64_t co
     return hash;
 }
 
-enum { QUERY_COUNT = 200 };
+enum { QUERY_COUNT = 200, QUERY_PAIRS = 20000 };
 
 /* Points and rays from a fixed generator, in and round the torus. */
 static void query_numbers(double *numbers, uint64_t count)
@@ -72,11 +72,12 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
 {
     static double points[3 * QUERY_COUNT];
     static bvx_closest_point found[QUERY_COUNT];
+    static uint32_t corners[3 * QUERY_COUNT], pairs[2 * QUERY_PAIRS];
     bvx_closest *closest = NULL;
     bvx_certificate c;
     bvx_distance_report r;
-    bvx_mesh_view other;
-    uint64_t h = 0;
+    bvx_mesh_view other, loose = *view;
+    uint64_t h = 0, crossings = 0;
     query_numbers(points, 3 * QUERY_COUNT);
     bvx_mesh_view_of(surface, &other);
     if (golden_good(g, bvx_closest_create(g->context, view, &closest)) &&
@@ -91,6 +92,17 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
     if (golden_good(g, bvx_mesh_check(g->context, view, 1, &c))) {
         golden_u64(g, "edges", c.edges);
         golden_hex(g, "volume", mixed_doubles(mixed_doubles(0, &c.volume, 1), &c.area, 1));
+    }
+    for (uint32_t i = 0; i < 3 * QUERY_COUNT; i++) corners[i] = i * 37 % (uint32_t)view->vertex_count; /* across the body */
+    loose.indices = corners;
+    loose.index_type = BVX_U32;
+    loose.index_stride = 0;
+    loose.triangle_count = QUERY_COUNT;
+    if (golden_good(g, bvx_mesh_crossings(g->context, &loose, &crossings, pairs, QUERY_PAIRS))) {
+        h = 0;
+        for (uint64_t i = 0; i < 2 * crossings; i++) h = mixed_word(h, pairs[i]);
+        golden_u64(g, "crossings", crossings);
+        golden_hex(g, "pairs", h);
     }
     if (golden_good(g, bvx_mesh_distance(g->context, view, &other, 500, 3, &r))) golden_hex(g, "distance", mixed_doubles(0, &r.mean_a_to_b, 6));
 }
