@@ -75,10 +75,15 @@ def count_components(triangles, vertex_count):
 
 
 def crossing_triangles(positions, triangles):
-    """Triangles that cross another one; None without MeshLib."""
+    """Triangles that cross another one; None without MeshLib. It does not count two that share an edge and lie on each other."""
     if meshlib is None:
         return None
-    mesh = meshlib_arrays.meshFromFacesVerts(triangles.astype(np.int32), positions.astype(np.float32))
+
+    # MeshLib takes floats: what came from floats stays exact, other positions are moved where floats are dense.
+    floats = positions.astype(np.float32)
+    if (floats != positions).any():
+        floats = (positions - (positions.min(axis=0) + positions.max(axis=0)) / 2).astype(np.float32)
+    mesh = meshlib_arrays.meshFromFacesVerts(triangles.astype(np.int32), floats)
     return int(meshlib.findSelfCollidingTrianglesBS(meshlib.MeshPart(mesh)).count())
 
 

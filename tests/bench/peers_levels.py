@@ -1,11 +1,14 @@
-"""peers_levels.py OUT PROGRAM MESHES - levels of detail by us and by others: nearness, defects, time; OUT/levels.md, levels.json.
+"""peers_levels.py OUT PROGRAM MESHES - levels of detail by us and by others: nearness, defects, time.
+
+Writes OUT/levels.md, levels_each.md (every level), levels.json (the same as numbers), levels.jsonl (what was to be reached).
 
 PROGRAM is bitvox. Ours gets the file; the others get it welded (vertices at equal positions merged, triangles with two equal
 corners dropped), which is kinder to them than the file. All are measured by levels_judge.py against the file's triangles.
 
 What the others made is kept in OUT/levels by input, version and count, so that a second run measures ours alone.
     BENCH_LEVELS_OPTIONS=...  more options of `bitvox lod`, such as --collapse 4
-    BENCH_LEVELS_COMMAND=...  the command itself [lod IN -o OUT --triangles COUNTS --threads 1 --samples 0]
+    BENCH_LEVELS_COMMAND=...  the command itself; with COUNT in place of COUNTS it is called once a level
+                              [lod IN -o OUT --triangles COUNTS --threads 1 --samples 0]
     BENCH_LEVELS_ONLY=a,b     inputs whose names contain one of these
 """
 import gzip
@@ -37,6 +40,7 @@ PEER_SECONDS = 900
 OURS = "bitvox"
 NAMES = (OURS, *PEERS)
 MORE = 1.02  # a level with more triangles than this times the count asked for did not reach it
+SAME = 1e-4  # percent of the diagonal, about what floats lose: levels within it count as equally near
 
 
 # ---- inputs ----
@@ -189,36 +193,37 @@ def job_ms(report, level):
 def run_ours(source, targets, tag):
     """One call for all counts; a level that it does not write is tried alone. Returns (path, ms) or a reason for each."""
     made = {}
-    for group in [targets] + [[t] for t in targets]:
+    chain = "COUNTS" in command.split()
+    for group in [targets] * chain + [[t] for t in targets]:
         group = [t for t in group if not isinstance(made.get(t), tuple)]
-        pattern = os.path.join(folder, f"ours_{source.name}_{tag}_%d.ply")
-        for i in range(len(group)):
-            if os.path.exists(pattern % i):
-                os.remove(pattern % i)
-        words = {"IN": [source.path], "OUT": [pattern], "COUNTS": [",".join(map(str, group))]}
-        line = [program]
-        for word in shlex.split(command):
-            line += words.get(word, [word])
-        line += shlex.split(os.environ.get("BENCH_LEVELS_OPTIONS", "")) + ["--json", "--quiet"]
         if group:
-            done = subprocess.run(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            collect(made, group, pattern, done)
+            pattern = os.path.join(folder, f"ours_{source.name}_{tag}_%d.ply")
+            call_ours(made, source.path, group, pattern, pattern if chain else pattern % 0)
     return made
 
 
-def collect(made, group, pattern, done):
+def call_ours(made, path, group, pattern, result):
+    for i in range(len(group)):
+        if os.path.exists(pattern % i):
+            os.remove(pattern % i)
+    counts = ",".join(map(str, group))
+    words = {"IN": path, "OUT": result, "COUNTS": counts, "COUNT": counts}
+    line = [program] + [words.get(word, word) for word in shlex.split(command)]
+    line += shlex.split(os.environ.get("BENCH_LEVELS_OPTIONS", "")) + ["--json", "--quiet"]
+    done = subprocess.run(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
     try:
         report = json.loads(done.stdout)
     except ValueError:
         report = {}
     for i, target in enumerate(group):
         if os.path.exists(pattern % i):
-            kept_file = pattern.replace("%d", f"of_{target}")
-            os.replace(pattern % i, kept_file)
-            made[target] = (kept_file, job_ms(report, i))
+            final = pattern.replace("%d", f"of_{target}")
+            os.replace(pattern % i, final)
+            made[target] = (final, job_ms(report, i))
         else:
-            reason = report.get("error") or report.get("message") or done.stderr.strip() or f"exit status {done.returncode}"
-            made[target] = str(reason)
+            error = report.get("error", {})
+            made[target] = error.get("message") or done.stderr.strip() or f"exit status {done.returncode}"
 
 
 def our_level(made, source, with_sharp):
@@ -286,9 +291,9 @@ def table(head, rows, file):
 
 
 def nearer(rows, peer, times=1.0):
-    """How often ours is at most so many times as far, with no more triangles than asked for."""
+    """How often ours is at most so many times as far, with no more triangles than asked for; and of how many."""
     both = [r for r in rows if usable(r, peer)]
-    good = [r for r in both if reached(r, OURS) and r["by"][OURS]["mean"] <= times * r["by"][peer]["mean"]]
+    good = [r for r in both if reached(r, OURS) and r["by"][OURS]["mean"] <= max(SAME, times * r["by"][peer]["mean"])]
     return len(good), len(both)
 
 
@@ -296,11 +301,16 @@ def show_distances(title, rows, file):
     print(f"\n### {title}", file=file)
     table(["two-way mean, % of diagonal", "of", "asked", *NAMES],
           [[r["input"], r["triangles"], r["target"], *(cell(r, n) for n in NAMES)] for r in rows], file)
+
+
+def show_nearer(titles, file):
+    """The closing lines: titles has the rows of each title."""
+    print(file=file)
     for peer in available:
-        good, both = nearer(rows, peer)
-        stopped = sum(usable(r, peer) and not reached(r, peer) for r in rows)
-        print(f"\nNearer than {peer} on {good} of {both}" + (f" (it keeps more triangles than asked on {stopped})" if stopped else ""),
-              file=file, end=".\n")
+        counts = [f"{good} of {both} {title}" for title, (good, both) in ((t, nearer(r, peer)) for t, r in titles.items())]
+        stopped = [str(sum(usable(r, peer) and not reached(r, peer) for r in rows)) for rows in titles.values()]
+        more = f"; it keeps more triangles than asked for on {', '.join(stopped)}" if any(s != "0" for s in stopped) else ""
+        print(f"- nearer than {peer} on {', '.join(counts)}{more}", file=file)
 
 
 def defects(row, name):
@@ -336,6 +346,7 @@ def show_cad(rows, file):
         return f"{normal:.2f}, " + ("-" if sharp is None else f"{100 * sharp:.0f} %")
 
     show_distances("Parts at 5 %", rows, file)
+    show_nearer({"parts at 5 %": rows}, file)
     good, both = nearer(rows, "meshoptimizer", 1.2)
     print(f"\nAt most 1.2 times as far as meshoptimizer on {good} of {both}.", file=file)
     names = [n for n in NAMES if n == OURS or n in available]
@@ -363,12 +374,14 @@ def show_details(rows, file):
 
 
 def write_tables(sets, off, file):
+    """Everything but the single levels."""
     print("Distances of surfaces in percent of the diagonal of the input's bounds: mean of both ways' means, "
           f"{levels_judge.SAMPLES:,} points each way. A star: the nearest of those that reach the count; a plus: more triangles than "
-          "asked for, so the distance says little. Others get the welded mesh. Times: one thread.", file=file)
+          "asked for, so the distance says little. Others get the welded mesh. Times: one thread; ours is the whole job.", file=file)
     for share in SHARES:
         if sets[share]:
             show_distances(f"Real meshes at {100 * share:.0f} %", sets[share], file)
+    show_nearer({f"at {100 * share:.0f} %": sets[share] for share in SHARES}, file)
     if sets["large"]:
         show_distances("The large dragon", sets["large"], file)
     if sets["cad"]:
@@ -378,8 +391,24 @@ def write_tables(sets, off, file):
     if off:
         print(f"\n`bitvox compare` agrees with these distances within {max(map(abs, off)):.1f} % on {len(off)} levels.", file=file)
     print("\nVersions: " + ", ".join(f"{n} {version_of(n)}" for n in available) + ".", file=file)
-    print("\n### Each level", file=file)
-    show_details(sum(sets.values(), []), file)
+
+
+def write_targets(sets, file):
+    """What issue 16 is to reach, for report.py; only what a complete run has measured."""
+
+    def say(title, value, unit, target, below):
+        print(json.dumps({"title": title, "value": value, "unit": unit, "target": target, "below": below}), file=file)
+
+    for row, goal in zip(sets["large"], (0.0115, 0.054)):
+        if usable(row, OURS):
+            say(f"levels: large dragon to {row['target']:,}", row["by"][OURS]["mean"], "% of the diagonal", goal, True)
+    for share in SHARES:
+        say(f"levels: meshes nearer than by meshoptimizer at {100 * share:.0f} %", nearer(sets[share], "meshoptimizer")[0], "meshes", 17, False)
+    parts = nearer(sets["cad"], "meshoptimizer", 1.2)
+    say("levels: parts at most 1.2 times as far as by meshoptimizer at 5 %", parts[0], "parts", parts[1], False)
+    found = [defects(r, OURS) for rows in sets.values() for r in rows if usable(r, OURS)]
+    for key, title in (("crossing_triangles", "crossing triangles"), ("components", "components that the input has not")):
+        say(f"levels: {title}", sum(d[key] for d in found), "in all", 0, True)
 
 
 # ---- main ----
@@ -436,6 +465,11 @@ def main():
         json.dump({"sets": {str(k): v for k, v in sets.items()}, "compare_off": off}, file, indent=1)
     with open(os.path.join(out, "levels.md"), "w") as file:
         write_tables(sets, off, file)
+    with open(os.path.join(out, "levels_each.md"), "w") as file:
+        show_details(sum(sets.values(), []), file)
+    if not only and "meshoptimizer" in available:
+        with open(os.path.join(out, "levels.jsonl"), "w") as file:
+            write_targets(sets, file)
 
 
 def installed(name):
