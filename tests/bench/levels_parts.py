@@ -82,7 +82,8 @@ def tee():
 
 
 def knob():
-    body = prism(ring_of(12, 25), 20) + Manifold.extrude(CrossSection([ring_of(12, 25)]), 8, scale_top=(0.7, 0.7)).translate((0, 0, 20))
+    top = Manifold.extrude(CrossSection([ring_of(12, 25)]), 8, scale_top=(0.7, 0.7))
+    body = prism(ring_of(12, 25), 20) + top.translate((0, 0, 20))
     return body - prism(ring_of(8, 9), 14).translate((0, 0, -1)) - around(cylinder(40, 2.5, sides=96, at=(25, 0, -1)), 12)
 
 

@@ -403,7 +403,8 @@ def write_targets(sets, file):
         if usable(row, OURS):
             say(f"levels: large dragon to {row['target']:,}", row["by"][OURS]["mean"], "% of the diagonal", goal, True)
     for share in SHARES:
-        say(f"levels: meshes nearer than by meshoptimizer at {100 * share:.0f} %", nearer(sets[share], "meshoptimizer")[0], "meshes", 17, False)
+        count = nearer(sets[share], "meshoptimizer")[0]
+        say(f"levels: meshes nearer than by meshoptimizer at {100 * share:.0f} %", count, "meshes", 17, False)
     parts = nearer(sets["cad"], "meshoptimizer", 1.2)
     say("levels: parts at most 1.2 times as far as by meshoptimizer at 5 %", parts[0], "parts", parts[1], False)
     found = [defects(r, OURS) for rows in sets.values() for r in rows if usable(r, OURS)]
@@ -458,6 +459,8 @@ def measure_all(jobs):
 
 def main():
     real, parts = find_inputs()
+    if not real and not parts:
+        return
     print("  mean distances by " + ", ".join(NAMES), flush=True)
     sets, off = measure_all(jobs_of(real, parts))
 

@@ -115,12 +115,14 @@ measure_components() {
 measure_levels() {
     rm -f "$out"/levels.md "$out"/levels_each.md "$out"/levels*.json*
     echo "== levels of detail beside other libraries"
-    if [ -z "$python" ]; then
-        echo "missing: Python with libraries that measure distances"
+    if [ -z "$python" ] || ! "$python" -c 'import igl, manifold3d, scipy, trimesh'; then
+        echo "missing: Python with libigl, manifold3d, scipy and trimesh, which measure levels"
         return
     fi
     "$python" tests/bench/peers_levels.py "$out" "$BUILD/bitvox" "$MESHES" && cat "$out/levels.md"
-    peer tests/bench/levels_time.py "$out" "$BUILD/bitvox" "$mesh" | tee -a "$out/levels.md"
+    if "$python" -c 'import meshoptimizer' 2>/dev/null; then
+        peer tests/bench/levels_time.py "$out" "$BUILD/bitvox" "$mesh" | tee -a "$out/levels.md"
+    fi
 }
 
 find_python
