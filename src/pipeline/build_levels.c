@@ -20,7 +20,7 @@ enum {
 
 static const char levels_name[] = "bvx_build_levels";
 
-static const bvx_levels_options levels_defaults = {.even = 0.0001, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0};
+static const bvx_levels_options levels_defaults = {.even = 0.000001, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0};
 
 void bvx_levels_options_init(bvx_levels_options *options, size_t size)
 {

@@ -35,6 +35,7 @@ struct bvxi_collapse {
     uint64_t begun_vertices, begun_triangles;
     unsigned char *nodes, *chunks;
     uint64_t node_bytes, chunk_bytes;
+    bvxi_star star;        /* of the edge that is tried */
 };
 
 /* ---- Cost ---- */
@@ -95,7 +96,7 @@ static int least_point(const quadric *q, const double middle[3], double reach, d
     double const det = a[0] * m00 + a[1] * m01 + a[2] * m02, trace = a[0] + a[3] + a[5];
     double g[3], step[3], inverse;
 
-    if (!(det > 1e-11 * trace * trace * trace)) return 0;
+    if (!(det > 1e-15 * trace * trace * trace)) return 0;
     half_gradient(q, middle, g);
     inverse = -1 / det;
     step[0] = (m00 * g[0] + m01 * g[1] + m02 * g[2]) * inverse;
@@ -190,12 +191,34 @@ static void apply_star(bvxi_collapse *c, const bvxi_star *star, const quadric *q
     for (int32_t i = 0; i < star->count; i++) put_edge(c, bvxi_corner_previous(star->corner[i]));
 }
 
+/* Judge the star with its new vertex at an offset from u. */
+static int judge_at(bvxi_collapse *c, const double d[3])
+{
+    bvxi_star *const star = &c->star;
+
+    for (int k = 0; k < 3; k++) star->p[k] = rounded(c, c->mesh.at[star->u].p[k] + d[k] / c->scale);
+    return bvxi_star_judge(&c->mesh, &c->boxes, star);
+}
+
+/* Where the best point is not safe, the ends and the middle may be, at no more than twice the cost. */
+static int judge_elsewhere(bvxi_collapse *c, const quadric *q, int32_t bucket)
+{
+    const double *const from = c->mesh.at[c->star.u].p, *const to = c->mesh.at[c->star.v].p;
+
+    for (int i = 0; i < 3; i++) {
+        double d[3];
+
+        for (int k = 0; k < 3; k++) d[k] = 0.5 * i * (to[k] - from[k]) * c->scale;
+        if (bvxi_queue_bucket(quadric_at(q, d)) <= bucket + BVXI_QUEUE_OCTAVE && judge_at(c, d) == BVXI_STAR_SAFE) return BVXI_STAR_SAFE;
+    }
+    return BVXI_STAR_CROSSES;
+}
+
 /* Collapse an edge where that is safe, else put it back among those that cost twice as much. */
 static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
 {
     const bvxi_corners *const m = &c->mesh;
     uint32_t u, v;
-    bvxi_star star;
     quadric q;
     int verdict = BVXI_STAR_LINK;
 
@@ -204,16 +227,16 @@ static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
     v = bvxi_corner_vertex_of(m, bvxi_corner_previous(entry->corner));
     if (entry->stamp != c->version[u] + c->version[v]) return;
 
-    if (bvxi_star_gather(m, entry->corner, &star)) {
+    if (bvxi_star_gather(m, entry->corner, &c->star)) {
         double d[3];
 
         meeting_point(c, u, v, &q, d);
-        for (int k = 0; k < 3; k++) star.p[k] = rounded(c, m->at[u].p[k] + d[k] / c->scale);
-        verdict = bvxi_star_judge(m, &c->boxes, &star);
+        verdict = judge_at(c, d);
+        if (verdict != BVXI_STAR_SAFE && judge_elsewhere(c, &q, entry->bucket) == BVXI_STAR_SAFE) verdict = BVXI_STAR_SAFE;
     }
     if (verdict == BVXI_STAR_SAFE) {
         c->counts.collapsed++;
-        apply_star(c, &star, &q);
+        apply_star(c, &c->star, &q);
         return;
     }
 

@@ -122,14 +122,6 @@ static int judge_shapes(const bvxi_corners *m, bvxi_star *star)
 
 /* ---- Fans ---- */
 
-/* The triangles around a vertex, counter-clockwise: triangle i faces along normal[i] and runs from around[i] to around[i + 1]. */
-typedef struct fan {
-    int32_t count;
-    double normal[BVXI_STAR_MOST + 2][3]; /* twice the triangle's area long */
-    const double *around[BVXI_STAR_MOST + 3];
-    int32_t triangle[BVXI_STAR_MOST + 2]; /* of the mesh; those that are new have none */
-} fan;
-
 /* The direction in floats, its largest part 1. */
 static void face_along(const double sum[3], bvxi_facing *facing)
 {
@@ -147,7 +139,7 @@ static int no_facing(bvxi_facing *facing)
 
 /* All face one way, and go around the apex once: then no two of them meet beside their common edges. facing becomes
  * that way, or 0. */
-static int fan_is_graph(const fan *f, const double *apex, bvxi_facing *facing)
+static int fan_is_graph(const bvxi_fan *f, const double *apex, bvxi_facing *facing)
 {
     double sum[3] = {0, 0, 0}, first[3], left[3], sum_square, left_square;
     int changes = 0, side_before = 1;
@@ -186,7 +178,7 @@ static int has_vertex(const bvxi_corners *m, int32_t t, uint32_t v)
 }
 
 /* The fan of link[i] after the collapse: the new triangles i and i - 1, then those that stay. 0: none stays, or too many. */
-static int gather_link_fan(const bvxi_corners *m, const bvxi_star *star, int32_t i, fan *f)
+static int gather_link_fan(const bvxi_corners *m, const bvxi_star *star, int32_t i, bvxi_fan *f)
 {
     const double *const apex = bvxi_corner_position(m, star->link[i]);
     int32_t const before = i == 0 ? star->count - 1 : i - 1;
@@ -232,7 +224,7 @@ static int faces_with_link(const bvxi_star *star, int32_t i, int32_t before, con
 
 static int judge_link_fans(const bvxi_corners *m, bvxi_star *star)
 {
-    fan f;
+    bvxi_fan *const f = &star->fan;
 
     for (int32_t i = 0; i < star->count; i++) {
         int32_t const before = i == 0 ? star->count - 1 : i - 1;
@@ -240,11 +232,11 @@ static int judge_link_fans(const bvxi_corners *m, bvxi_star *star)
         star->facing[i] = m->facing[star->link[i]];
         if (faces_with_link(star, i, before, &star->facing[i])) continue;
 
-        if (!gather_link_fan(m, star, i, &f)) return BVXI_STAR_LINK;
-        if (fan_is_graph(&f, bvxi_corner_position(m, star->link[i]), &star->facing[i])) continue;
+        if (!gather_link_fan(m, star, i, f)) return BVXI_STAR_LINK;
+        if (fan_is_graph(f, bvxi_corner_position(m, star->link[i]), &star->facing[i])) continue;
 
-        for (int32_t k = 2; k < f.count; k++)
-            if (new_triangle_crosses(m, star, i, f.triangle[k]) || new_triangle_crosses(m, star, before, f.triangle[k]))
+        for (int32_t k = 2; k < f->count; k++)
+            if (new_triangle_crosses(m, star, i, f->triangle[k]) || new_triangle_crosses(m, star, before, f->triangle[k]))
                 return BVXI_STAR_CROSSES;
     }
     return BVXI_STAR_SAFE;
@@ -253,17 +245,17 @@ static int judge_link_fans(const bvxi_corners *m, bvxi_star *star)
 /* The fan of the new vertex itself. */
 static int judge_new_fan(const bvxi_corners *m, bvxi_star *star)
 {
-    fan f;
+    bvxi_fan *const f = &star->fan;
 
-    f.count = star->count;
-    memcpy(f.normal, star->normal, (size_t)star->count * sizeof f.normal[0]);
-    for (int32_t i = 0; i <= star->count; i++) f.around[i] = bvxi_corner_position(m, star->link[i]);
-    if (fan_is_graph(&f, star->p, &star->own_facing)) return BVXI_STAR_SAFE;
+    f->count = star->count;
+    memcpy(f->normal, star->normal, (size_t)star->count * sizeof f->normal[0]);
+    for (int32_t i = 0; i <= star->count; i++) f->around[i] = bvxi_corner_position(m, star->link[i]);
+    if (fan_is_graph(f, star->p, &star->own_facing)) return BVXI_STAR_SAFE;
 
     for (int32_t i = 1; i < star->count; i++)
         for (int32_t j = 0; j < i; j++) {
-            const double *const a[3] = {star->p, f.around[i], f.around[i + 1]};
-            const double *const b[3] = {star->p, f.around[j], f.around[j + 1]};
+            const double *const a[3] = {star->p, f->around[i], f->around[i + 1]};
+            const double *const b[3] = {star->p, f->around[j], f->around[j + 1]};
 
             if (bvxi_triangles_cross(a, b)) return BVXI_STAR_CROSSES;
         }
@@ -335,17 +327,17 @@ static int triangles_are_apart(const double *const p[3], const double *const q[3
 }
 
 /* The new triangles' boxes, eight to a node; returns the box of all. */
-static bvxi_box gather_boxes(const bvxi_corners *m, const bvxi_box_tree *tree, bvxi_star *star, bvxi_box_node *node)
+static bvxi_box gather_boxes(const bvxi_corners *m, const bvxi_box_tree *tree, bvxi_star *star)
 {
     bvxi_box all = bvxi_box_none();
     bvxi_box const none = all;
 
     for (int32_t i = 0; i < star->count; i++) {
         star->box[i] = bvxi_box_of(tree, star->p, bvxi_corner_position(m, star->link[i]), bvxi_corner_position(m, star->link[i + 1]));
-        bvxi_box_put(&node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH, &star->box[i]);
+        bvxi_box_put(&star->node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH, &star->box[i]);
         bvxi_box_join(&all, &star->box[i]);
     }
-    for (int32_t i = star->count; i % BVXI_BOX_WIDTH != 0; i++) bvxi_box_put(&node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH, &none);
+    for (int32_t i = star->count; i % BVXI_BOX_WIDTH != 0; i++) bvxi_box_put(&star->node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH, &none);
     return all;
 }
 
@@ -384,14 +376,14 @@ static int is_beyond(const bvxi_corners *m, const bvxi_star *star, int32_t i, co
 }
 
 /* A triangle that stays, found by the star's box, against the new ones that it shares no vertex with. */
-static int meets_new_triangles(const bvxi_corners *m, const bvxi_star *star, const bvxi_box_node *node, int32_t triangle, const bvxi_box *box)
+static int meets_new_triangles(const bvxi_corners *m, const bvxi_star *star, int32_t triangle, const bvxi_box *box)
 {
     const uint32_t *const c = m->triangle[triangle].vertex;
     const double *const q[3] = {bvxi_corner_position(m, c[0]), bvxi_corner_position(m, c[1]), bvxi_corner_position(m, c[2])};
     bvxi_box_query const query = bvxi_box_ask(box);
 
     for (int32_t first = 0; first < star->count; first += BVXI_BOX_WIDTH)
-        for (uint32_t bits = bvxi_box_overlaps(&node[first / BVXI_BOX_WIDTH], &query); bits != 0; bits &= bits - 1) {
+        for (uint32_t bits = bvxi_box_overlaps(&star->node[first / BVXI_BOX_WIDTH], &query); bits != 0; bits &= bits - 1) {
             int32_t const i = first + bvxi_lowest(bits);
 
             if (has_vertex(m, triangle, star->link[i]) | has_vertex(m, triangle, star->link[i + 1])) continue;
@@ -402,8 +394,7 @@ static int meets_new_triangles(const bvxi_corners *m, const bvxi_star *star, con
 
 static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bvxi_star *star)
 {
-    bvxi_box_node own[BVXI_STAR_MOST / BVXI_BOX_WIDTH];
-    bvxi_box const all = gather_boxes(m, tree, star, own);
+    bvxi_box const all = gather_boxes(m, tree, star);
     bvxi_box_query const query = bvxi_box_ask(&all);
     uint64_t stack[BVXI_BOX_STACK]; /* level in the low bits */
     int32_t depth = 0;
@@ -424,7 +415,7 @@ static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bv
                 bvxi_box const box = bvxi_box_child(node, k);
 
                 if (has_vertex(m, (int32_t)child, star->u) | has_vertex(m, (int32_t)child, star->v)) continue;
-                if (meets_new_triangles(m, star, own, (int32_t)child, &box)) return BVXI_STAR_CROSSES;
+                if (meets_new_triangles(m, star, (int32_t)child, &box)) return BVXI_STAR_CROSSES;
             }
         }
     }

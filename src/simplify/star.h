@@ -7,7 +7,15 @@
 #include "simplify/box_tree.h"
 #include "simplify/corners.h"
 
-enum { BVXI_STAR_MOST = 48 /* triangles around the new vertex, or around one of its neighbours; an edge with more stays */ };
+enum { BVXI_STAR_MOST = 512 /* triangles around the new vertex, or around one of its neighbours; an edge with more stays */ };
+
+/* The triangles around a vertex, counter-clockwise: triangle i faces along normal[i] and runs from around[i] to around[i + 1]. */
+typedef struct bvxi_fan {
+    int32_t count;
+    double normal[BVXI_STAR_MOST + 2][3]; /* twice the triangle's area long */
+    const double *around[BVXI_STAR_MOST + 3];
+    int32_t triangle[BVXI_STAR_MOST + 2]; /* of the mesh; those that are new have none */
+} bvxi_fan;
 
 /* The edge opposite to corner `edge` from vertex u to v becomes one vertex at p. Triangle i of the new star runs from p to
  * link[i] and link[i + 1] and takes the place of the old triangle that corner[i] is in. */
@@ -21,6 +29,8 @@ typedef struct bvxi_star {
     double normal[BVXI_STAR_MOST][3];       /* of the new triangles, twice their area long */
     bvxi_box box[BVXI_STAR_MOST];           /* of the new triangles */
     bvxi_facing facing[BVXI_STAR_MOST], own_facing; /* of the link's vertices and the new one, after the collapse */
+    bvxi_box_node node[BVXI_STAR_MOST / BVXI_BOX_WIDTH]; /* the boxes again, eight to a node */
+    bvxi_fan fan; /* while one is judged */
 } bvxi_star;
 
 /* Why an edge stays. */
