@@ -472,7 +472,7 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
 
 /* Refuse --normals for a format without. */
 int cli_check_normals(cli_run *run);
-/* Write the mesh as run->options.output, which is open, and keep it; with the normals of vertices where --normals is given. */
+/* Write the mesh as run->options.output, which is open, and keep it; --normals adds the normals of vertices. */
 int cli_write_mesh(cli_run *run, const bvx_mesh *mesh);
 
 /* ---- field_output.c: distances as files; voxelize --mode field ---- */

@@ -5,10 +5,12 @@ int cli_check_normals(cli_run *run)
 {
     const char *const out = run->options.output;
     int32_t const format = bvx_format_of_name(out);
+    int const holds = format == BVX_FORMAT_PLY || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_GLB;
 
-    if (!run->options.normals || format == BVX_FORMAT_PLY || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_GLB) return CLI_DONE;
+    if (!run->options.normals || holds) return CLI_DONE;
     return cli_usage(run, "%s: --normals is for .ply and .obj; %s", out,
-                     format == BVX_FORMAT_STL ? ".stl has the normals of triangles only" : "no normals are written to this format");
+                     format == BVX_FORMAT_STL ? ".stl has the normals of triangles only"
+                                              : "no normals are written to this format");
 }
 
 int cli_write_mesh(cli_run *run, const bvx_mesh *mesh)

@@ -138,10 +138,11 @@ bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t lev
 
 /* Sums of bvxi_add_normals as scratch: BVXI_NORMAL_SUM bytes a vertex, freed by the caller. */
 enum { BVXI_NORMAL_SUM = 24 };
-#define BVXI_NORMALS_SHARE 0.3 /* of the work of a writer that is given them */
+#define BVXI_NORMALS_SHARE 0.3 /* the part of a file's work that is done when its writer has them */
 bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double scale, double **sum);
 
-/* "GLB: level 3": how messages about one of several levels begin. text [Size: BVXI_LEVEL_NAME], before below 40 bytes */
+/* "GLB: level 3": how messages about one of several levels begin.
+ * before: below 40 bytes; text [Size: BVXI_LEVEL_NAME] */
 enum { BVXI_LEVEL_NAME = 80 };
 void bvxi_level_name(const char *before, uint64_t level, char *text);
 

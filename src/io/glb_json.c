@@ -1,10 +1,11 @@
-/* glb_json.c - the description of a GLB file: where its arrays lie, what they are, and how the meshes stand in the world.
+/* glb_json.c - the description of a GLB file: where its arrays lie, what they are, how meshes stand in the world.
  *
- * Sources: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022). Microsoft. MSFT_lod, a vendor extension of glTF 2.0.
+ * Sources: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022). Microsoft. MSFT_lod, a vendor extension of it.
  * A node turns z up into glTF's y up, (x, y, z) to (x, z, -y), as a matrix of zeros and ones: a quaternion would have
- * rounded roots in it. For a mesh alone a second node below it carries the centre, in the world's own axes. Levels of detail
- * have one node each, with mesh and one matrix for all, since readers of the extension swap nodes, or only their meshes.
- * Bounds are given as the doubles that the floats are, so that they hold whether a reader rounds them or not. */
+ * rounded roots in it. For one mesh a second node below it carries the centre, in the world's own axes. Levels of
+ * detail have one node each, which holds the mesh itself, and all have the same matrix: some readers of the extension
+ * swap nodes, others only their meshes. Bounds are given as the doubles that the floats are, so that they hold whether
+ * a reader rounds them or not. */
 #include "io/glb.h"
 
 typedef struct glb_kind {
@@ -40,8 +41,9 @@ void bvxi_glb_layout(bvxi_glb *glb, uint64_t begin)
 bvx_status bvxi_glb_check_size(bvx_context *ctx, uint64_t size, uint64_t levels)
 {
     if (size <= UINT32_MAX) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_RANGE, "GLB: the file would take %u bytes or more, the format's limit is 2^32 - 1; %s",
-                     size, levels > 1 ? "write one file a level" : "take PLY");
+    return bvxi_fail(ctx, BVX_ERR_RANGE,
+                     "GLB: the file would take %u bytes or more, the format's limit is 2^32 - 1; %s", size,
+                     levels > 1 ? "write one file a level" : "take PLY");
 }
 
 /* ---- pieces of JSON ---- */
@@ -91,14 +93,16 @@ static void glb_put_nodes(const bvxi_glb *glb, bvxi_output *out)
     bvxi_output_text(out, "}],");
 }
 
-/* Hints for the part of the screen below which each level gives way to the next: there the next one has as many triangles on
- * a pixel as the first has where it fills the screen. The last level is never taken away. */
+/* Hints for the part of the screen below which each level gives way to the next: there the next one has as many
+ * triangles on a pixel as the first has when it fills the screen. The last level is never removed. */
 static void glb_put_coverage(const bvxi_glb_file *file, bvxi_output *out)
 {
+    double const finest = (double)file->level[0].mesh->triangle_count;
     double coverage = 1.0;
+
     bvxi_output_text(out, ",\"extras\":{\"MSFT_screencoverage\":[");
     for (uint64_t i = 1; i < file->levels; i++) {
-        double const share = (double)file->level[i].mesh->triangle_count / (double)file->level[0].mesh->triangle_count;
+        double const share = (double)file->level[i].mesh->triangle_count / finest;
         if (share < coverage) coverage = share; /* hints never grow, whatever the order of the levels is */
         json_double(out, coverage);
         bvxi_output_text(out, ",");
@@ -142,9 +146,11 @@ static void glb_put_level_nodes(const bvxi_glb_file *file, bvxi_output *out)
 static void glb_put_meshes(const bvxi_glb_file *file, bvxi_output *out)
 {
     uint64_t number = 0;
+
     bvxi_output_text(out, "\"meshes\":[");
     for (uint64_t level = 0; level < file->levels; level++) {
-        bvxi_output_text(out, level > 0 ? ",{\"primitives\":[{\"attributes\":{" : "{\"primitives\":[{\"attributes\":{");
+        if (level > 0) bvxi_output_text(out, ",");
+        bvxi_output_text(out, "{\"primitives\":[{\"attributes\":{");
         for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
             if (file->level[level].count[i] == 0) continue;
             if (i == BVXI_GLB_INDEX) bvxi_output_text(out, "},");

@@ -1,11 +1,11 @@
-/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: the checks around the writers, and what they share. */
+/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: checks around the writers, what they share. */
 #include "io/formats.h"
 #include "mesh/mesh.h"
 #include "mesh/normals.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
 
-enum { WRITTEN_LEVELS = 65536 }; /* a caller's damage beyond: each level is a mesh of its own */
+enum { WRITTEN_LEVELS = 65536 }; /* more is an error of the caller's */
 
 bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, bvx_buffer *file)
 {
@@ -79,8 +79,9 @@ bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double 
     return BVX_OK;
 }
 
-static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh,
-                                     bvx_status (*write)(bvx_context *, const bvxi_written *, bvx_buffer *), bvx_buffer *file)
+typedef bvx_status normals_writer(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
+
+static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, normals_writer *write, bvx_buffer *file)
 {
     bvx_mesh_view view;
     double low[3], high[3], *sum;
@@ -110,28 +111,27 @@ static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int3
     case BVX_FORMAT_STL:
     case BVX_FORMAT_OFF:
         if (!normals) return BVX_OK;
-        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: %s", function,
-                         format == BVX_FORMAT_STL ? "STL holds normals of facets only, and has them always; take PLY, OBJ or GLB"
-                                                  : "OFF is written without normals; take PLY, OBJ or GLB");
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: %s; take PLY, OBJ or GLB", function,
+                         format == BVX_FORMAT_STL ? "STL holds normals of triangles only, and always has them"
+                                                  : "OFF is written without normals");
     default:
-        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: format %d holds no mesh; take STL, OBJ, PLY, OFF or GLB", function,
-                         (int64_t)format);
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: format %d holds no mesh; take STL, OBJ, PLY, OFF or GLB",
+                         function, (int64_t)format);
     }
 }
 
-/* The format is one of those that hold a mesh. GLB has its normals always. */
-static bvx_status write_format(bvx_context *ctx, const bvx_mesh *mesh, int32_t format, int32_t normals, bvx_buffer *file)
+/* The format is one of those that hold a mesh. GLB always has normals. */
+static bvx_status write_format(bvx_context *ctx, const bvx_mesh *mesh, int32_t format, int32_t normals,
+                               bvx_buffer *file)
 {
+    normals_writer *const write = format == BVX_FORMAT_OBJ ? bvxi_write_obj : bvxi_write_ply;
     bvxi_written const plain = {mesh, NULL};
 
     switch (format) {
     case BVX_FORMAT_STL: return bvxi_write_stl(ctx, mesh, file);
     case BVX_FORMAT_OFF: return bvxi_write_off(ctx, mesh, file);
     case BVX_FORMAT_GLB: return bvxi_write_glb(ctx, mesh, 1, file);
-    case BVX_FORMAT_OBJ:
-        return normals ? write_with_normals(ctx, mesh, bvxi_write_obj, file) : bvxi_write_obj(ctx, &plain, file);
-    default:
-        return normals ? write_with_normals(ctx, mesh, bvxi_write_ply, file) : bvxi_write_ply(ctx, &plain, file);
+    default: return normals ? write_with_normals(ctx, mesh, write, file) : write(ctx, &plain, file);
     }
 }
 
@@ -143,8 +143,8 @@ static bvx_status check_empty_buffer(bvx_context *ctx, const char *function, con
     return BVX_OK;
 }
 
-static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh, const bvx_write_options *o,
-                             int32_t format, bvx_buffer *file)
+static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh,
+                             const bvx_write_options *o, int32_t format, bvx_buffer *file)
 {
     bvx_buffer made = {0};
 
@@ -170,8 +170,8 @@ void bvx_write_options_init(bvx_write_options *options, size_t size)
     bvxi_give_options(options, size, &defaults, sizeof defaults);
 }
 
-bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options, int32_t format,
-                               bvx_buffer *file)
+bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
+                               int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_mesh_with";
     bvx_write_options o = {.struct_size = sizeof o};
@@ -179,8 +179,10 @@ bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
     if (o.normals != 0 && o.normals != 1)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.normals is %d, not 0 or 1", function, (int64_t)o.normals);
-    if (o.reserved != 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.normals is %d, not 0 or 1", function,
+                         (int64_t)o.normals);
+    if (o.reserved != 0)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
     return write_mesh(context, function, mesh, &o, format, file);
 }
 
@@ -196,7 +198,8 @@ void bvxi_level_name(const char *before, uint64_t level, char *text)
     bvxi_output_add(&out, "", 1);
 }
 
-bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format, bvx_buffer *file)
+bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                            bvx_buffer *file)
 {
     static const char *const function = "bvx_write_levels";
     bvx_buffer made = {0};
@@ -206,10 +209,12 @@ bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64
     BVXI_TRY(check_empty_buffer(context, function, file));
     if (level_count == 0 || level_count > WRITTEN_LEVELS)
         return bvxi_fail(context, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
-                         "%s: level_count is %u; 1 to %u levels make a file", function, level_count, (uint64_t)WRITTEN_LEVELS);
+                         "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
+                         (uint64_t)WRITTEN_LEVELS);
     if (format != BVX_FORMAT_GLB)
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds one mesh a file; write one file a level, or take GLB",
-                         function, (int64_t)format);
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
+                         "%s: format %d does not hold levels; write one file a level, or take GLB", function,
+                         (int64_t)format);
 
     for (uint64_t l = 0; l < level_count; l++) {
         char name[BVXI_LEVEL_NAME];

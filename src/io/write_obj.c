@@ -1,8 +1,8 @@
 /* write_obj.c - a mesh to Wavefront OBJ.
  *
  * Numbers are the shortest decimals that read back to the same floats, or doubles where the mesh has doubles or a frame.
- * Colours follow the coordinates as fractions of 1, without alpha, which the format does not know. Normals, where asked for,
- * are one a vertex, with its number. */
+ * Colours follow the coordinates as fractions of 1, without alpha, which the format does not know. Normals, where
+ * requested, are one a vertex, with its number. */
 #include "io/file_parts.h"
 #include "io/formats.h"
 #include "mesh/normals.h"
@@ -106,7 +106,7 @@ bvx_status bvxi_write_obj(bvx_context *ctx, const bvxi_written *what, bvx_buffer
     part[3].count = mesh->triangle_count;
     part[3].most = 2 + 3 * (1 + vertex_digits);
     if (mesh->uvs != NULL) part[3].most += 3 * (1 + bvxi_digits(part[1].count));
-    if (what->normal != NULL) part[3].most += 3 * (2 + vertex_digits); /* two slashes where there is no texture */
+    if (what->normal != NULL) part[3].most += 3 * (2 + vertex_digits); /* two slashes without a texture */
 
     BVXI_TRY(bvxi_make_file(ctx, "the OBJ file", from, sizeof title - 1, part, 4, file));
     memcpy(file->bytes, title, sizeof title - 1);

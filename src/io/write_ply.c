@@ -1,6 +1,7 @@
 /* write_ply.c - a mesh to binary little-endian PLY: floats, or doubles where the mesh has doubles or a frame.
  *
- * Normals, where asked for, are the floats nx ny nz of vertices, behind the coordinates as readers expect them. Colours are the properties red green blue alpha of vertices, texture coordinates s t of vertices, or the list texcoord of
+ * Normals, where requested, are the floats nx ny nz of vertices, after the coordinates as readers expect them. Colours
+ * are the properties red green blue alpha of vertices, texture coordinates s t of vertices, or the list texcoord of
  * faces (two numbers a corner) where the corners have their own. */
 #include "io/file_parts.h"
 #include "io/formats.h"

@@ -1,6 +1,6 @@
-/* test_writers.c - every mesh writer, with normals and with levels of detail too, with every allocation failing once, cancelled at every progress call, under every memory
- * limit, and in an arena: meshes with colours and texture coordinates. After each failure the buffer is empty, nothing is
- * held, and the same context does the work. */
+/* test_writers.c - every mesh writer, with normals and levels of detail too: every allocation failing once, cancelled
+ * at every progress call, under every memory limit, and in an arena: meshes with colours and texture coordinates. After
+ * each failure the buffer is empty, nothing is held, and the same context does the work. */
 #include "fault/context.h"
 
 enum { SIDE = 70, VERTICES = SIDE * SIDE, TRIANGLES = (SIDE - 1) * (SIDE - 1) * 2 };

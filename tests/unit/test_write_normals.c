@@ -211,7 +211,7 @@ static void test_write_normals_refuses(void)
 
     bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
-    check_not_written_with(&m, &o, BVX_FORMAT_STL, BVX_ERR_UNSUPPORTED, "bvx_write_mesh_with: STL holds normals of facets only");
+    check_not_written_with(&m, &o, BVX_FORMAT_STL, BVX_ERR_UNSUPPORTED, "bvx_write_mesh_with: STL holds normals of triangles only");
     check_not_written_with(&m, &o, BVX_FORMAT_OFF, BVX_ERR_UNSUPPORTED, "bvx_write_mesh_with: OFF is written without normals");
     check_not_written_with(&m, &o, BVX_FORMAT_NPY, BVX_ERR_UNSUPPORTED, "format 4 holds no mesh");
     check_not_written_with(NULL, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "mesh is NULL");
