@@ -1986,6 +1986,137 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  */
 BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired);
 
+/* ---- Levels of detail ---------------------------------------------------------------------------------------- */
+
+/** What a level's error is. */
+enum {
+    BVX_ERROR_MEAN = 0, /**< mean distance, of both ways the mean */
+    BVX_ERROR_MAX = 1   /**< largest distance, of both ways the greater */
+};
+
+typedef struct bvx_level_report {
+    uint64_t vertices, triangles;
+    uint64_t target;       /**< triangles that were asked for, or 0 */
+    double target_error;   /**< distance that was asked for, or 0 [Units: world] */
+    int32_t met;           /**< 1: both are kept */
+    int32_t measured;      /**< 1: distance is filled */
+    bvx_distance_report distance; /**< a is the input, b the level */
+    bvx_certificate certificate;  /**< of the level */
+    uint64_t crossings;    /**< pairs of triangles that cross: 0, but where the input of bvx_mesh_simplify has some that stayed */
+    double least_angle;    /**< smallest angle of a triangle [Units: degrees] */
+    uint64_t refused;      /**< edges that were tried and stayed, for their neighbours, turned triangles, needles or crossings */
+    uint64_t reserved[6];
+} bvx_level_report;
+
+typedef struct bvx_simplify_options {
+    size_t struct_size;
+    const uint64_t *target_triangles; /**< most triangles of each level [Size: level_count] [Default: NULL] */
+    const double *target_errors;      /**< largest error of each level [Units: world] [Limit: > 0] [Size: level_count] [Default: NULL; with
+                                           neither, each level has half of the triangles of the one before, the first half of the mesh's] */
+    int32_t error_kind;               /**< of target_errors: BVX_ERROR_MEAN or BVX_ERROR_MAX [Default: BVX_ERROR_MEAN] */
+    int32_t position_type;            /**< BVX_F32 or BVX_F64 [Default: 0, the mesh's own] */
+    double even;                      /**< pull towards triangles of even size where the surface is flat [Limit: 0..1] [Default: 0.000001] */
+    uint64_t measure_samples;         /**< points a side for each report's distances [Limit: 0: not measured, or 1..2^31-1] [Default: 0; target_errors
+                                           measure with 20000 where none are given] */
+    int32_t strict;                   /**< 1: a target that cannot be kept is an error [Default: 0, the smallest mesh, met 0] */
+    int32_t reserved0;
+    bvx_level_report *reports;        /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    uint64_t reserved[4];
+} bvx_simplify_options;
+
+BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t size);
+
+/**
+ * Fewer triangles for a closed, manifold, oriented mesh: a chain of levels, each made from the one before.
+ *
+ * The edge that costs least goes first: its ends become one vertex where the summed squared distances to the planes of the
+ * triangles that they stand for are least. An edge stays when its collapse would join what is apart, turn a triangle, make a
+ * needle, or make two triangles cross or touch. So each level is closed, edge- and vertex-manifold and oriented, with the mesh's
+ * components and handles, and without crossing triangles where the mesh has none. Sharp edges and corners are kept as long as
+ * the planes beside them are. Vertices at equal positions are one vertex (files without indices).
+ *
+ * mesh    closed, edge- and vertex-manifold, oriented; bvx_repair and bvx_build_levels make such meshes from others
+ * levels  [Size: level_count] each as for bvx_extract_surface; none of their arrays is the mesh's
+ *
+ * Returns BVX_ERR_ARGUMENT (also: the mesh is not what is needed, with an edge), BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (strict: a
+ * level that cannot be made; coordinates), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. After a failure no level
+ * is left. The order of vertices and triangles of the mesh does not change the result.
+ * Memory: about 150 bytes a triangle. Cost: O(triangles), some microseconds for each that goes.
+ * Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; Liu, Rahimzadeh, Zordan. Controlling
+ * Quadric Error Simplification with Line Quadrics. 2025.
+ */
+BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh, const bvx_simplify_options *options,
+                                     uint64_t level_count, bvx_mesh *levels);
+
+/** What levels are made from. */
+enum {
+    BVX_LEVELS_AUTO = 0,     /**< the mesh itself where it is closed, manifold, oriented and does not cross itself, else its measured surface */
+    BVX_LEVELS_MESH = 1,     /**< the mesh itself: closed, manifold and oriented */
+    BVX_LEVELS_MEASURED = 2  /**< the surface that bvx_repair makes of the mesh */
+};
+
+typedef struct bvx_levels_report {
+    int32_t source;          /**< BVX_LEVELS_MESH or MEASURED: what the levels were made from */
+    int32_t reserved0;
+    bvx_certificate before;  /**< of the input, vertices at equal positions taken as one */
+    uint64_t triangles;      /**< of the surface before edges collapsed */
+    uint64_t crossings;      /**< pairs of triangles of the input that cross, where that decided */
+    uint64_t crumbs;         /**< pieces of the measured surface that the input has none for, each below a thousandth of the volume: dropped */
+    bvx_repair_report repair; /**< BVX_LEVELS_MEASURED: what was found and done; its lattice, parts and shells */
+    uint64_t reserved[6];
+} bvx_levels_report;
+
+typedef struct bvx_levels_options {
+    size_t struct_size;
+    const uint64_t *target_triangles; /**< as in bvx_simplify_options; halving starts from the input's triangles */
+    const double *target_errors;      /**< as in bvx_simplify_options */
+    int32_t error_kind;               /**< as in bvx_simplify_options */
+    int32_t position_type;            /**< BVX_F32 or BVX_F64 [Default: 0, f32 where it holds, else f64] */
+    double even;                      /**< as in bvx_simplify_options [Default: 0.000001] */
+    uint64_t measure_samples;         /**< as in bvx_simplify_options [Default: 0] */
+    int32_t strict;                   /**< as in bvx_simplify_options [Default: 0] */
+    int32_t source;                   /**< BVX_LEVELS_... [Default: BVX_LEVELS_AUTO; MEASURED where a lattice, a resolution, a
+                                           sign, least_part, least_cavity or outer is given] */
+    const bvx_lattice *lattice;       /**< measured: to measure on [Default: NULL, fitted by resolution] */
+    int32_t resolution;               /**< measured: voxels along the longest axis [Limit: 0..2^24] [Default: 0, as many as the finest level
+                                           needs, bvx_plan_levels] */
+    int32_t sign;                     /**< measured: as in bvx_repair_options [Default: BVX_SIGN_AUTO] */
+    int32_t sharp;                    /**< measured: 0 never, 1 always, -1 where many of the mesh's edges are sharp [Default: -1] */
+    int32_t outer;                    /**< measured: 1: inner shells and cavities go [Default: 0] */
+    double shell;                     /**< measured: as in bvx_repair_options [Default: 2] */
+    uint64_t least_part;              /**< measured: pieces of fewer voxels are dropped [Default: 0] */
+    uint64_t least_cavity;            /**< measured: cavities of fewer voxels are filled [Default: 0] */
+    bvx_levels_report *report;        /**< receives what was found and done when not NULL [Default: NULL] */
+    bvx_level_report *reports;        /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    uint64_t reserved[4];
+} bvx_levels_options;
+
+BVX_API void bvx_levels_options_init(bvx_levels_options *options, size_t size);
+
+/** The resolution that bvx_build_levels measures a mesh with where none is given: the one at which the measured surface has about 16
+ *  times the triangles of the finest level, from 256 to 512. mesh and options as there; options may be NULL.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE. Memory: none. Cost: O(triangles). */
+BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
+                                   uint64_t level_count, int32_t *resolution);
+
+/**
+ * Levels of detail from any mesh: the main job.
+ *
+ * A mesh that is closed, manifold and oriented, has no triangle without area and does not cross itself is simplified as it is; of any
+ * other mesh the surface is measured first as bvx_repair does: holes get lids, overlapping parts become one, sheets become
+ * shells. Then edges collapse, each level from the one before, as in bvx_mesh_simplify, whose guarantee holds for every level.
+ *
+ * mesh    any mesh of area; vertices must be finite
+ * levels  [Size: level_count] as for bvx_mesh_simplify
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area; nothing is left), BVX_ERR_RANGE, BVX_ERR_CAPACITY, BVX_ERR_MEMORY,
+ * BVX_ERR_BUDGET, BVX_CANCELLED. After a failure no level is left.
+ * Memory: that of bvx_repair, the measured surface, and bvx_mesh_simplify. Cost: as theirs.
+ * Source: "Model repair by a vector distance field" for the surface; as bvx_mesh_simplify for the levels.
+ */
+BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
+                                    uint64_t level_count, bvx_mesh *levels);
+
 /* ==== Second section: formats and pictures ================================================================== */
 
 enum {
@@ -2041,15 +2172,59 @@ BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64
 BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *points);
 
 /** Write a mesh. The frame is added. file is zeroed.
- *  STL and PLY: binary, little-endian; OBJ and OFF: text that reads back to the same numbers. PLY, OBJ (without alpha) and
- *  OFF keep colours, PLY and OBJ texture coordinates too; STL keeps neither. GLB (glTF 2.0, binary): f32 positions about the
- *  bounds' centre, smooth normals weighted by area, colours as linear light, texture coordinates; world axes are kept, and
- *  the nodes carry the centre and the turn from z up to glTF's y up; vertices are repeated where texture coordinates ask
- *  for it.
+ *  STL and PLY: binary, little-endian; OBJ and OFF: text that reads back to the same numbers. PLY, OBJ (without
+ *  alpha) and OFF keep colours, PLY and OBJ texture coordinates too; STL keeps neither, and has normals of triangles.
+ *  GLB (glTF 2.0, binary): f32 positions about the bounds' centre, smooth normals weighted by area, colours as linear
+ *  light, texture coordinates; world axes are kept, and the nodes carry the centre and the turn from z up to glTF's
+ *  y up; vertices are repeated where texture coordinates need it.
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds), BVX_ERR_UNSUPPORTED,
- *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes a vertex,
- *  and 84 a triangle while texture coordinates are split. */
+ *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes
+ *  a vertex, and 84 a triangle while texture coordinates are split. */
 BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file);
+
+typedef struct bvx_write_options {
+    size_t struct_size;
+    int32_t normals;  /**< 1: PLY and OBJ get normals of vertices too; GLB always has them, STL and OFF are refused
+                           [Limit: 0..1] [Default: 0] */
+    int32_t reserved;
+} bvx_write_options;
+
+BVX_API void bvx_write_options_init(bvx_write_options *options, size_t size);
+
+/** The same with all choices; NULL options write what bvx_write_mesh writes.
+ *  Normals are smooth: at each vertex the sum of its triangles' normals, each counted by its area, at length 1;
+ *  (0, 0, 1) where the sum is zero. There is one for each vertex, so sharp edges are averaged over too, as in GLB.
+ *  PLY: float nx ny nz after the coordinates; OBJ: vn, with the vertex's number. The readers here skip them.
+ *  Returns what bvx_write_mesh returns; BVX_ERR_UNSUPPORTED for normals in STL (which has those of triangles) or OFF.
+ *  Memory: normals: 24 bytes a vertex more. Cost: O(vertices + triangles). */
+BVX_API bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
+                                       int32_t format, bvx_buffer *file);
+
+/**
+ * Write levels of detail as one file.
+ *
+ * levels       [Size: level_count] the finest first; each has triangles; colours and texture coordinates are kept
+ *              where a level has them
+ * level_count  [Limit: 1..65536] 1: the bytes of bvx_write_mesh
+ * format       BVX_FORMAT_GLB; the others hold one mesh a file
+ * file         out, zeroed
+ *
+ * Each level is a node "level_0", "level_1", ... with a mesh of its own, written as bvx_write_mesh writes one, except
+ * that all levels share one centre and one matrix. Only level_0 is in the scene. glTF itself has no levels of detail,
+ * and no extension for them is in wide use: the vendor extension MSFT_lod attaches the other levels to level_0, and few
+ * readers know it. All other viewers show level_0.
+ * MSFT_screencoverage hints at the part of the screen below which a level gives way to the next: where that one has as
+ * many triangles on a pixel as level_0 has when it fills the screen. The last level stays.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds:
+ * 2^32 - 1 bytes, f32 positions about the common centre), BVX_ERR_UNSUPPORTED (another format: write one file a level),
+ * BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED; a message about one level names it.
+ * Memory: the file; 24 bytes a vertex of all levels; of levels with uv_triangles 12 bytes a triangle and 8 a vertex as
+ * written, and 72 a triangle of one of them at a time; about 450 bytes a level. Cost: O(vertices + triangles).
+ * Source: Microsoft. MSFT_lod, a vendor extension of glTF 2.0.
+ */
+BVX_API bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                                    int32_t format, bvx_buffer *file);
 
 /**
  * Write a grid. The lattice's low corner (of the window) and spacing go where the format keeps them, by its own convention:

@@ -229,13 +229,14 @@ tables = (
     ("peers_components.md", "Parts of grids by others"),
     ("peers_morph.md", "Morphology by others"),
     ("step.md", "The repair paper's experiment"),
+    ("levels.md", "Levels of detail by others"),
 )
 if any(os.path.exists(path(name)) for name, _ in tables):
     rows = []
-    for t in sum((load_lines(name + ".jsonl") for name in ("voxels", "refine", "field", "peers_field", "grids", "peers_grids")), []):
+    for t in sum((load_lines(name + ".jsonl") for name in ("voxels", "refine", "field", "peers_field", "grids", "peers_grids", "levels")), []):
         bound = "at most" if t["below"] else "at least"
         rows.append((t["title"], f"{t['value']:.3g} {t['unit']}", f"{bound} {t['target']:g}", verdict(t["value"], t["target"], t["below"])))
-    say("", "## Voxels, fields, repair and grids: targets")
+    say("", "## Voxels, fields, repair, grids and levels: targets")
     table(("", "measured", "target", ""), rows)
 for name, title in tables:
     if os.path.exists(path(name)):

@@ -13,6 +13,7 @@
 #     BENCH_ONLY=morph      morphology and distances of grids alone
 #     BENCH_ONLY=volumes    thresholds and surfaces of scalar volumes alone
 #     BENCH_ONLY=components parts of grids alone
+#     BENCH_ONLY=levels     levels of detail beside other libraries alone
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -111,7 +112,26 @@ measure_components() {
     rm -f "$out"/components_*.npy
 }
 
+measure_levels() {
+    rm -f "$out"/levels.md "$out"/levels_each.md "$out"/levels*.json*
+    echo "== levels of detail beside other libraries"
+    if [ -z "$python" ] || ! "$python" -c 'import igl, manifold3d, scipy, trimesh'; then
+        echo "missing: Python with libigl, manifold3d, scipy and trimesh, which measure levels"
+        return
+    fi
+    "$python" tests/bench/peers_levels.py "$out" "$BUILD/bitvox" "$MESHES" && cat "$out/levels.md"
+    if "$python" -c 'import meshoptimizer' 2>/dev/null; then
+        peer tests/bench/levels_time.py "$out" "$BUILD/bitvox" "$mesh" | tee -a "$out/levels.md"
+    fi
+}
+
 find_python
+if [ "$BENCH_ONLY" = levels ]; then
+    measure_levels
+    cat "$out/levels.jsonl" 2>/dev/null
+    load >>"$out/load"
+    exit 0
+fi
 if [ "$BENCH_ONLY" = components ]; then
     measure_components
     load >>"$out/load"
@@ -173,6 +193,8 @@ measure_grids
 measure_morph
 measure_volumes
 measure_components
+
+measure_levels
 
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"

@@ -1,0 +1,430 @@
+/* build_levels.c - levels of detail from any mesh: bvx_build_levels.
+ *
+ * A mesh that is closed, manifold, oriented and does not cross itself is simplified as it is, since nothing is nearer to it. What
+ * is not is measured first: the surface that bvx_repair puts between voxels lies a hundredth of
+ * a voxel from the mesh and has its guarantee. */
+#include "mesh/pieces.h"
+#include "mesh/radix.h"
+#include "mesh/view.h"
+#include "simplify/levels.h"
+
+#include <math.h>
+
+enum {
+    PLAN_RATIO = 16,     /* triangles of the measured surface to one of the finest level */
+    PLAN_LEAST = 256,    /* voxels along the longest axis */
+    PLAN_MOST = 512,
+    SHARP_MOST = 500000  /* meshes of more triangles are scans */
+};
+
+/* A piece that the input has none for, and that is a smaller share of the volume than this, is a crumb. */
+#define CRUMB_SHARE 1e-3
+
+/* Edges whose facets meet at more than 40 degrees are sharp, at more than 15 bent: cosines. */
+#define SHARP_COSINE 0.766
+#define BENT_COSINE 0.966
+
+static const char levels_name[] = "bvx_build_levels";
+
+static const bvx_levels_options levels_defaults = {.even = 0.000001, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0};
+
+void bvx_levels_options_init(bvx_levels_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &levels_defaults, sizeof levels_defaults);
+}
+
+typedef struct levels_job {
+    bvx_context *ctx;
+    const bvx_mesh_view *mesh;
+    const bvx_levels_options *options;
+    bvxi_level_chain chain;
+    bvx_levels_report report;
+} levels_job;
+
+/* ---- Checks ---- */
+
+static bvx_status check_levels_options(bvx_context *ctx, const char *function, const bvx_levels_options *o)
+{
+    if (o->position_type != 0 && o->position_type != BVX_F32 && o->position_type != BVX_F64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither 0, BVX_F32 nor BVX_F64", function, (int64_t)o->position_type);
+    if (o->source < BVX_LEVELS_AUTO || o->source > BVX_LEVELS_MEASURED)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: source %d is unknown", function, (int64_t)o->source);
+    if (o->resolution < 0 || o->resolution > 1 << 24)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: resolution %d is outside 0 to %d", function, (int64_t)o->resolution, (int64_t)1 << 24);
+    if (o->sharp < -1 || o->sharp > 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", function, (int64_t)o->sharp);
+    if ((o->outer & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer %d is neither 0 nor 1", function, (int64_t)o->outer);
+    if (o->outer && o->least_cavity != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer fills every cavity; least_cavity is not used with it", function);
+    if ((o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", function);
+    return BVX_OK;
+}
+
+/* Options that only a measured surface can follow. */
+static int wants_measured(const bvx_levels_options *o)
+{
+    return o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO || o->least_part != 0 || o->least_cavity != 0 || o->outer;
+}
+
+/* ---- The plan ---- */
+
+static void corners_of(const bvx_mesh_view *mesh, uint64_t t, double p[3][3])
+{
+    uint32_t v[3];
+
+    bvxi_view_triangle(mesh, t, v);
+    for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
+}
+
+static double area_of(const bvx_mesh_view *mesh)
+{
+    double sum = 0;
+
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        double p[3][3], u[3], v[3], n[3];
+
+        corners_of(mesh, t, p);
+        for (int a = 0; a < 3; a++) {
+            u[a] = p[1][a] - p[0][a];
+            v[a] = p[2][a] - p[0][a];
+        }
+        for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+        sum += 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    }
+    return sum;
+}
+
+/* Triangles of the finest level; by error the mesh's own. */
+static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uint64_t triangles)
+{
+    uint64_t finest = 1;
+
+    if (o->target_errors != NULL) return triangles;
+    if (o->target_triangles == NULL) return triangles / 2;
+    for (uint64_t i = 0; i < level_count; i++)
+        if (o->target_triangles[i] > finest) finest = o->target_triangles[i];
+    return finest;
+}
+
+bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options, uint64_t level_count,
+                           int32_t *resolution)
+{
+    static const char plan_name[] = "bvx_plan_levels";
+    bvx_levels_options o = levels_defaults;
+    double low[3], high[3], area, longest = 0, wanted;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (resolution == NULL) return bvxi_fail_null(context, plan_name, "resolution");
+    BVXI_TRY(bvxi_take_options(context, plan_name, options, &o, sizeof o));
+    BVXI_TRY(check_levels_options(context, plan_name, &o));
+    BVXI_TRY(bvxi_view_check(context, plan_name, mesh));
+    if (mesh->triangle_count == 0) return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", plan_name);
+    if (level_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: level_count is 0", plan_name);
+    BVXI_TRY(bvxi_view_bounds(context, plan_name, mesh, low, high));
+
+    /* Marching cubes makes about 2.6 triangles for each square of the surface as large as a voxel. */
+    for (int a = 0; a < 3; a++)
+        if (high[a] - low[a] > longest) longest = high[a] - low[a];
+    area = area_of(mesh);
+    wanted = PLAN_LEAST;
+    if (area > 0) wanted = sqrt(PLAN_RATIO * (double)finest_of(&o, level_count, mesh->triangle_count) / 2.6 * longest / area * longest);
+    *resolution = !(wanted > PLAN_LEAST) ? PLAN_LEAST : wanted < PLAN_MOST ? (int32_t)wanted : PLAN_MOST;
+    return BVX_OK;
+}
+
+/* ---- Sharp edges ---- */
+
+/* Twice the area, and the normal of length 1 or 0. */
+static double unit_normal(const double p[3][3], double n[3])
+{
+    double u[3], v[3], length;
+
+    for (int a = 0; a < 3; a++) {
+        u[a] = p[1][a] - p[0][a];
+        v[a] = p[2][a] - p[0][a];
+    }
+    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+    length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int a = 0; a < 3; a++) n[a] = length > 0 ? n[a] / length : 0;
+    return length;
+}
+
+/* Lengths of the edges between two triangles: of all, of those that are bent, of those that are sharp. */
+typedef struct edge_lengths {
+    double all, bent, sharp;
+} edge_lengths;
+
+/* Two sides (3 * triangle + k: from corner k to the next) of one edge. */
+static void add_edge(const bvx_mesh_view *mesh, uint32_t one, uint32_t other, edge_lengths *sum)
+{
+    double p[3][3], q[3][3], n[3], m[3], length = 0, cosine;
+    uint32_t v[3], w[3];
+
+    corners_of(mesh, one / 3, p);
+    corners_of(mesh, other / 3, q);
+    if (!(unit_normal((const double(*)[3])p, n) > 0) || !(unit_normal((const double(*)[3])q, m) > 0)) return;
+    bvxi_view_triangle(mesh, one / 3, v);
+    bvxi_view_triangle(mesh, other / 3, w);
+
+    /* Sides that run the same way belong to triangles of opposite orientation. */
+    cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+    if (v[one % 3] == w[other % 3]) cosine = -cosine;
+    for (int a = 0; a < 3; a++) length += (p[(one + 1) % 3][a] - p[one % 3][a]) * (p[(one + 1) % 3][a] - p[one % 3][a]);
+    length = sqrt(length);
+
+    sum->all += length;
+    if (cosine < SHARP_COSINE) sum->sharp += length;
+    else if (cosine < BENT_COSINE) sum->bent += length;
+}
+
+static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t *keys, uint32_t *side, edge_lengths *sum)
+{
+    uint64_t const n = 3 * mesh->triangle_count;
+
+    for (uint64_t i = 0; i < n; i++) {
+        uint32_t v[3];
+
+        bvxi_view_triangle(mesh, i / 3, v);
+        {
+            uint64_t const a = v[i % 3], b = v[(i + 1) % 3];
+            keys[i] = a < b ? a << 32 | b : b << 32 | a;
+        }
+        side[i] = (uint32_t)i;
+    }
+    BVXI_TRY(bvxi_radix_sort(ctx, keys, side, n));
+
+    for (uint64_t i = 0; i + 1 < n; i++) {
+        if (keys[i] != keys[i + 1]) continue;
+        add_edge(mesh, side[i], side[i + 1], sum);
+        i++;
+    }
+    return BVX_OK;
+}
+
+/* 1 when many edges of the welded mesh are sharp and few are merely bent, as with machine parts. */
+static bvx_status is_sharp_mesh(bvx_context *ctx, const bvx_mesh_view *welded, int32_t *sharp)
+{
+    uint64_t const bytes = welded->triangle_count * 36;
+    edge_lengths sum = {0, 0, 0};
+    unsigned char *block;
+    bvx_status status;
+
+    *sharp = 0;
+    if (welded->triangle_count > SHARP_MOST) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges' lengths", &block));
+    status = measure_edges(ctx, welded, (uint64_t *)(void *)block, (uint32_t *)(void *)(block + welded->triangle_count * 24), &sum);
+    bvxi_free(ctx, block, bytes);
+    *sharp = sum.sharp > 0.01 * sum.all && sum.sharp > 2 * sum.bent;
+    return status;
+}
+
+/* ---- Crumbs ---- */
+
+/* The volume of each piece, at its least vertex; returns the pieces. */
+static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piece, double *volume, double *total)
+{
+    uint64_t pieces = 0;
+
+    for (uint64_t t = 0; t < surface->triangle_count; t++) {
+        double p[3][3];
+        uint32_t v[3];
+
+        corners_of(surface, t, p);
+        bvxi_view_triangle(surface, t, v);
+        volume[piece[v[0]]] += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+                                p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) / 6;
+    }
+    *total = 0;
+    for (uint64_t v = 0; v < surface->vertex_count; v++) {
+        if (piece[v] == v) pieces++;
+        volume[v] = volume[v] < 0 ? -volume[v] : volume[v];
+        *total += volume[v];
+    }
+    return pieces;
+}
+
+/* Mark small pieces, the smallest first, until as many are left as the input has; volume becomes -1 there. */
+static uint64_t mark_crumbs(const uint32_t *piece, uint64_t vertices, uint64_t surplus, double most, double *volume)
+{
+    uint64_t marked = 0;
+
+    while (marked < surplus) {
+        uint64_t least = vertices;
+
+        for (uint64_t v = 0; v < vertices; v++)
+            if (piece[v] == v && volume[v] >= 0 && volume[v] < most && (least == vertices || volume[v] < volume[least])) least = v;
+        if (least == vertices) break;
+        volume[least] = -1;
+        marked++;
+    }
+    return marked;
+}
+
+/* Take the triangles of marked pieces out; vertices stay, since nobody sees those without triangles. */
+static void drop_pieces(bvx_mesh *surface, const uint32_t *piece, const double *volume)
+{
+    uint64_t kept = 0;
+
+    for (uint64_t t = 0; t < surface->triangle_count; t++) {
+        if (volume[piece[surface->triangles[3 * t]]] < 0) continue;
+        memmove(surface->triangles + 3 * kept++, surface->triangles + 3 * t, 12);
+    }
+    surface->triangle_count = kept;
+}
+
+/* Drop pieces of the measured surface that the input has none for. */
+static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
+{
+    uint64_t const vertices = surface->vertex_count, bytes = vertices * 16;
+    unsigned char *block;
+    uint32_t *same, *piece;
+    double *volume, total;
+    bvx_mesh_view view;
+    uint64_t pieces;
+
+    bvx_mesh_view_of(surface, &view);
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the surface's pieces", &block));
+    volume = (double *)(void *)block;
+    same = (uint32_t *)(void *)(block + vertices * 8);
+    piece = same + vertices;
+
+    for (uint64_t v = 0; v < vertices; v++) same[v] = (uint32_t)v;
+    bvxi_pieces(&view, same, piece);
+    pieces = piece_volumes(&view, piece, volume, &total);
+    if (pieces > job->report.before.components) {
+        job->report.crumbs = mark_crumbs(piece, vertices, pieces - job->report.before.components, CRUMB_SHARE * total, volume);
+        if (job->report.crumbs != 0) drop_pieces(surface, piece, volume);
+    }
+    bvxi_free(job->ctx, block, bytes);
+    return BVX_OK;
+}
+
+/* ---- Levels ---- */
+
+static bvx_status simplify_as_it_is(levels_job *job, const bvx_mesh_view *welded)
+{
+    job->report.source = BVX_LEVELS_MESH;
+    job->report.triangles = welded->triangle_count;
+    return bvxi_levels_make(job->ctx, &job->chain, welded, 0.2, 1.0);
+}
+
+static bvx_status repair_surface(levels_job *job, const bvx_mesh_view *welded, bvx_mesh *surface)
+{
+    const bvx_levels_options *const o = job->options;
+    int32_t const type = o->position_type != 0 ? o->position_type : BVX_F32;
+    bvx_repair_options r;
+    bvx_status status;
+    int32_t sharp = o->sharp;
+
+    bvx_repair_options_init(&r, sizeof r);
+    r.lattice = o->lattice;
+    r.resolution = o->resolution;
+    if (o->resolution == 0) BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &r.resolution));
+    if (sharp < 0) BVXI_TRY(is_sharp_mesh(job->ctx, welded, &sharp));
+    r.sharp = sharp;
+    r.sign = o->sign;
+    r.shell = o->shell;
+    r.least_part = o->least_part;
+    r.least_cavity = o->outer ? UINT64_MAX : o->least_cavity;
+    r.position_type = type;
+    if (o->report != NULL) r.report = &job->report.repair;
+
+    /* Far from the origin floats are too coarse: doubles where nobody asked for floats. */
+    status = bvx_repair(job->ctx, job->mesh, &r, surface);
+    if (status == BVX_ERR_RANGE && o->position_type == 0) {
+        r.position_type = BVX_F64;
+        status = bvx_repair(job->ctx, job->mesh, &r, surface);
+    }
+    return status;
+}
+
+static bvx_status simplify_measured(levels_job *job, const bvx_mesh_view *welded)
+{
+    bvx_mesh surface = {0};
+    bvx_mesh_view view;
+    bvx_status status = repair_surface(job, welded, &surface);
+
+    if (status == BVX_OK) status = drop_crumbs(job, &surface);
+    if (status == BVX_OK) {
+        bvx_mesh_view_of(&surface, &view);
+        job->report.source = BVX_LEVELS_MEASURED;
+        job->report.triangles = view.triangle_count;
+        job->chain.collapse.position_type = surface.position_type;
+        status = bvxi_levels_make(job->ctx, &job->chain, &view, 0.5, 1.0);
+    }
+    bvx_mesh_free(job->ctx, &surface);
+    return status;
+}
+
+static bvx_status levels_steps(levels_job *job, const bvx_mesh_view *welded)
+{
+    const bvx_levels_options *const o = job->options;
+    bvx_certificate *const c = &job->report.before;
+    uint64_t crossings;
+
+    BVXI_TRY(bvx_mesh_check(job->ctx, welded, 0, c));
+    if (c->triangles == c->degenerate)
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area", levels_name, job->mesh->triangle_count);
+
+    if (o->source == BVX_LEVELS_MESH) return simplify_as_it_is(job, welded);
+    if (o->source == BVX_LEVELS_MEASURED || wants_measured(o) || !c->closed || !c->edge_manifold || !c->vertex_manifold || !c->oriented ||
+        c->degenerate != 0)
+        return simplify_measured(job, welded);
+
+    BVXI_TRY(bvx_mesh_crossings(job->ctx, welded, &crossings, NULL, 0));
+    job->report.crossings = crossings;
+    return crossings != 0 ? simplify_measured(job, welded) : simplify_as_it_is(job, welded);
+}
+
+static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
+{
+    const bvx_levels_options *const o = job->options;
+    bvxi_level_chain *const c = &job->chain;
+
+    c->function = levels_name;
+    c->original = job->mesh;
+    c->target_triangles = o->target_triangles;
+    c->target_errors = o->target_errors;
+    c->halve_from = job->mesh->triangle_count;
+    c->error_kind = o->error_kind;
+    c->strict = o->strict;
+    c->measure_samples = o->measure_samples;
+    c->collapse.position_type = o->position_type != 0 ? o->position_type : (int32_t)job->mesh->position_type;
+    c->collapse.even = o->even;
+    c->collapse.lenient = o->source == BVX_LEVELS_MESH;
+    c->count = level_count;
+    c->levels = levels;
+    c->reports = o->reports;
+}
+
+bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options, uint64_t level_count,
+                            bvx_mesh *levels)
+{
+    bvx_levels_options o = levels_defaults;
+    levels_job job = {.ctx = context, .mesh = mesh, .options = &o};
+    double low[3], high[3];
+    bvx_mesh_view welded;
+    uint32_t *corner = NULL;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (levels == NULL) return bvxi_fail_null(context, levels_name, "levels");
+    BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
+    BVXI_TRY(check_levels_options(context, levels_name, &o));
+    if (o.source == BVX_LEVELS_MESH && wants_measured(&o))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: a lattice, a resolution, a sign, least_part, least_cavity and outer need a measured surface; "
+                         "source is BVX_LEVELS_MESH", levels_name);
+    BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
+    for (uint64_t i = 0; i < level_count; i++) BVXI_TRY(bvxi_view_apart(context, levels_name, mesh, &levels[i]));
+    take_chain(&job, level_count, levels);
+    BVXI_TRY(bvxi_levels_check(context, &job.chain));
+
+    if (mesh->triangle_count == 0) return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", levels_name);
+    BVXI_TRY(bvxi_view_bounds(context, levels_name, mesh, low, high));
+    status = bvxi_welded_view(context, mesh, &welded, &corner);
+    if (status == BVX_OK) status = levels_steps(&job, &welded);
+    bvxi_free(context, corner, mesh->triangle_count * 12);
+    if (status == BVX_OK && o.report != NULL) *o.report = job.report;
+    return status;
+}

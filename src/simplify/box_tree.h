@@ -1,0 +1,146 @@
+/* box_tree.h - boxes over triangles that change: eight to a node, level by level, no pointers. Not installed.
+ *
+ * Source: Kamel, Faloutsos. On Packing R-trees. 1993; boxes only grow between two settings, so a tree is set anew after
+ * every halving. The order of the triangles must follow a curve through space. */
+#ifndef BVXI_BOX_TREE_H
+#define BVXI_BOX_TREE_H
+
+#include "core/core.h"
+#include "simplify/corners.h"
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+enum { BVXI_BOX_WIDTH = 8, BVXI_BOX_LEVELS = 12, BVXI_BOX_STACK = BVXI_BOX_WIDTH * BVXI_BOX_LEVELS, BVXI_BOX_HIGHEST = 32767 };
+
+/* Whole steps of 1 / 32767 of the mesh's size. Rounding down keeps order: what overlaps, overlaps in steps too. */
+typedef struct bvxi_box {
+    int16_t low[3], high[3];
+} bvxi_box;
+
+typedef struct bvxi_box_node {
+    int16_t low[3][BVXI_BOX_WIDTH], high[3][BVXI_BOX_WIDTH];
+} bvxi_box_node;
+
+typedef struct bvxi_box_tree {
+    bvxi_box_node *node[BVXI_BOX_LEVELS]; /* node[0][i]: triangles 8i .. 8i + 7; node[l][i]: nodes 8i .. 8i + 7 of level l - 1 */
+    uint64_t count[BVXI_BOX_LEVELS];      /* nodes of each level; the last level has one */
+    int32_t levels;
+    double low[3], scale;                 /* steps = (position - low) * scale */
+} bvxi_box_tree;
+
+/* Bytes of the nodes of so many triangles. */
+uint64_t bvxi_box_tree_bytes(uint64_t triangles);
+/* Lay a tree for so many triangles into a block; its nodes are unspecified until bvxi_box_tree_set. */
+void bvxi_box_tree_lay_out(bvxi_box_tree *tree, uint64_t triangles, unsigned char *block);
+/* All boxes, of a mesh of which no triangle is gone, at most as many as were laid out. */
+void bvxi_box_tree_set(bvxi_box_tree *tree, const bvxi_corners *mesh);
+
+/* Positions may leave the mesh's first bounds. */
+static inline int16_t bvxi_box_step(const bvxi_box_tree *tree, double position, int axis)
+{
+    double const x = (position - tree->low[axis]) * tree->scale;
+    return (int16_t)(x <= 0 ? 0 : x >= BVXI_BOX_HIGHEST ? BVXI_BOX_HIGHEST : (int32_t)x);
+}
+
+/* The box of a triangle's three corners. */
+static inline bvxi_box bvxi_box_of(const bvxi_box_tree *tree, const double *a, const double *b, const double *c)
+{
+    bvxi_box box;
+
+    for (int i = 0; i < 3; i++) {
+        double const low = a[i] < b[i] ? a[i] : b[i], high = a[i] > b[i] ? a[i] : b[i];
+
+        box.low[i] = bvxi_box_step(tree, low < c[i] ? low : c[i], i);
+        box.high[i] = bvxi_box_step(tree, high > c[i] ? high : c[i], i);
+    }
+    return box;
+}
+
+static inline void bvxi_box_join(bvxi_box *box, const bvxi_box *other)
+{
+    for (int i = 0; i < 3; i++) {
+        if (other->low[i] < box->low[i]) box->low[i] = other->low[i];
+        if (other->high[i] > box->high[i]) box->high[i] = other->high[i];
+    }
+}
+
+/* A box to compare eight others with at once. */
+typedef struct bvxi_box_query {
+#if defined(__SSE2__)
+    __m128i low[3], high[3];
+#else
+    bvxi_box box;
+#endif
+} bvxi_box_query;
+
+static inline bvxi_box_query bvxi_box_ask(const bvxi_box *box)
+{
+    bvxi_box_query q;
+#if defined(__SSE2__)
+    for (int a = 0; a < 3; a++) {
+        q.low[a] = _mm_set1_epi16(box->low[a]);
+        q.high[a] = _mm_set1_epi16(box->high[a]);
+    }
+#else
+    q.box = *box;
+#endif
+    return q;
+}
+
+/* Bit k: child k of the node overlaps the box. Every x86-64 has SSE2, whose way gives the same bits. */
+static inline uint32_t bvxi_box_overlaps(const bvxi_box_node *node, const bvxi_box_query *q)
+{
+#if defined(__SSE2__)
+    __m128i apart = _mm_setzero_si128();
+
+    for (int a = 0; a < 3; a++) {
+        apart = _mm_or_si128(apart, _mm_cmpgt_epi16(_mm_loadu_si128((const __m128i *)(const void *)node->low[a]), q->high[a]));
+        apart = _mm_or_si128(apart, _mm_cmpgt_epi16(q->low[a], _mm_loadu_si128((const __m128i *)(const void *)node->high[a])));
+    }
+    return ~(uint32_t)_mm_movemask_epi8(_mm_packs_epi16(apart, apart)) & 0xff;
+#else
+    const bvxi_box *const box = &q->box;
+    uint32_t bits = 0;
+
+    for (int k = 0; k < BVXI_BOX_WIDTH; k++)
+        bits |= (uint32_t)((node->low[0][k] <= box->high[0]) & (node->high[0][k] >= box->low[0]) & (node->low[1][k] <= box->high[1]) &
+                           (node->high[1][k] >= box->low[1]) & (node->low[2][k] <= box->high[2]) & (node->high[2][k] >= box->low[2]))
+                << k;
+    return bits;
+#endif
+}
+
+static inline void bvxi_box_put(bvxi_box_node *node, int32_t k, const bvxi_box *box)
+{
+    for (int a = 0; a < 3; a++) {
+        node->low[a][k] = box->low[a];
+        node->high[a][k] = box->high[a];
+    }
+}
+
+/* A box that overlaps none. */
+static inline bvxi_box bvxi_box_none(void)
+{
+    bvxi_box const box = {{INT16_MAX, INT16_MAX, INT16_MAX}, {INT16_MIN, INT16_MIN, INT16_MIN}};
+    return box;
+}
+
+static inline bvxi_box bvxi_box_child(const bvxi_box_node *node, int32_t k)
+{
+    bvxi_box box;
+
+    for (int a = 0; a < 3; a++) {
+        box.low[a] = node->low[a][k];
+        box.high[a] = node->high[a][k];
+    }
+    return box;
+}
+
+/* Triangle t has moved: its box is replaced, the boxes above grow. */
+void bvxi_box_tree_move(bvxi_box_tree *tree, int32_t t, const bvxi_box *box);
+/* Triangle t is gone: no box finds it any more. */
+void bvxi_box_tree_remove(bvxi_box_tree *tree, int32_t t);
+
+#endif

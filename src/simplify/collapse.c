@@ -1,0 +1,606 @@
+/* collapse.c - fewer triangles at the least distance from the original: the cheapest edge goes first.
+ *
+ * Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; line quadrics after Liu, Rahimzadeh, Zordan.
+ * Controlling Quadric Error Simplification with Line Quadrics. 2025.
+ *
+ * A vertex's quadric sums its triangles' squared distances to planes by area, and a small share of the squared distance to the line
+ * along its normal, which keeps triangles even where planes leave a vertex free. An edge's vertex goes where the sum of both ends'
+ * quadrics is least. After each halving the mesh is packed, and the boxes and the queue are made anew, so that memory is
+ * walked in the order of space and edges that were refused come back.
+ * Guarantee: every state is closed, edge- and vertex-manifold, oriented and, where the mesh given was, without crossing triangles;
+ * sequential, doubles with + - x / sqrt alone: the same mesh everywhere. */
+#include "simplify/simplify.h"
+#include "mesh/mesh.h"
+#include "mesh/radix.h"
+#include "mesh/view.h"
+#include "simplify/corners.h"
+#include "simplify/queue.h"
+#include "simplify/star.h"
+
+#include <math.h>
+
+enum { COLLAPSE_REPORT = 1024, COLLAPSE_CURVE_BITS = 21, COLLAPSE_BATCH = 4096, COLLAPSE_LATER = 2 * BVXI_QUEUE_OCTAVE };
+
+struct bvxi_collapse {
+    bvx_context *ctx;
+    const char *function;
+    bvxi_collapse_options options;
+    bvxi_corners mesh;
+    bvxi_box_tree boxes;
+    bvxi_queue queue;
+    uint32_t *version;     /* of each vertex: grows when it moves */
+    double scale;          /* quadrics measure lengths in units of 1 / scale, the mesh's size */
+    bvxi_collapse_counts counts;
+    uint64_t packed;       /* triangles when the mesh was packed last */
+    uint64_t begun_vertices, begun_triangles;
+    unsigned char *nodes, *chunks;
+    uint64_t node_bytes, chunk_bytes;
+    bvxi_star star;        /* of the edge that is tried */
+};
+
+/* ---- Cost ---- */
+
+/* A quadric while it is computed with. */
+typedef struct quadric {
+    double a[6], b[3], c;
+} quadric;
+
+/* Nearest value of the type that positions have in the result. */
+static double rounded(const bvxi_collapse *c, double x)
+{
+    return c->options.position_type == BVX_F32 ? (double)(float)x : x;
+}
+
+/* A d + b: half the gradient at d. */
+static void half_gradient(const quadric *q, const double d[3], double g[3])
+{
+    g[0] = q->a[0] * d[0] + q->a[1] * d[1] + q->a[2] * d[2] + q->b[0];
+    g[1] = q->a[1] * d[0] + q->a[3] * d[1] + q->a[4] * d[2] + q->b[1];
+    g[2] = q->a[2] * d[0] + q->a[4] * d[1] + q->a[5] * d[2] + q->b[2];
+}
+
+static double quadric_at(const quadric *q, const double d[3])
+{
+    double g[3], value;
+
+    half_gradient(q, d, g);
+    value = (g[0] + q->b[0]) * d[0] + (g[1] + q->b[1]) * d[1] + (g[2] + q->b[2]) * d[2] + q->c;
+    return value > 0 ? value : 0;
+}
+
+/* The sum of both vertices' quadrics about u; offset leads from u to v. */
+static void join_quadrics(const bvxi_corner_vertex *u, const bvxi_corner_vertex *v, const double offset[3], quadric *q)
+{
+    quadric other;
+    double g[3];
+
+    for (int i = 0; i < 6; i++) {
+        other.a[i] = (double)v->a[i];
+        q->a[i] = (double)u->a[i] + other.a[i];
+    }
+
+    /* About u the other one has b - A offset, and c - 2 b' offset + offset' A offset. */
+    for (int i = 0; i < 3; i++) other.b[i] = -(double)v->b[i];
+    half_gradient(&other, offset, g);
+    for (int i = 0; i < 3; i++) q->b[i] = (double)u->b[i] - g[i];
+    q->c = (double)u->c + (double)v->c;
+    for (int i = 0; i < 3; i++) q->c += offset[i] * (g[i] + other.b[i]);
+}
+
+/* Where the quadric is least, within reach of the middle; 0: planes do not fix a place there. */
+static int least_point(const quadric *q, const double middle[3], double reach, double d[3])
+{
+    const double *const a = q->a;
+    double const m00 = a[3] * a[5] - a[4] * a[4], m01 = a[2] * a[4] - a[1] * a[5], m02 = a[1] * a[4] - a[2] * a[3];
+    double const m11 = a[0] * a[5] - a[2] * a[2], m12 = a[1] * a[2] - a[0] * a[4], m22 = a[0] * a[3] - a[1] * a[1];
+    double const det = a[0] * m00 + a[1] * m01 + a[2] * m02, trace = a[0] + a[3] + a[5];
+    double g[3], step[3], inverse;
+
+    if (!(det > 1e-15 * trace * trace * trace)) return 0;
+    half_gradient(q, middle, g);
+    inverse = -1 / det;
+    step[0] = (m00 * g[0] + m01 * g[1] + m02 * g[2]) * inverse;
+    step[1] = (m01 * g[0] + m11 * g[1] + m12 * g[2]) * inverse;
+    step[2] = (m02 * g[0] + m12 * g[1] + m22 * g[2]) * inverse;
+    if (!(step[0] * step[0] + step[1] * step[1] + step[2] * step[2] <= reach)) return 0;
+    for (int k = 0; k < 3; k++) d[k] = middle[k] + step[k];
+    return 1;
+}
+
+/* Where an edge's ends would meet, as an offset from u, and what it costs. q becomes both ends' quadric about u. */
+static double meeting_point(const bvxi_collapse *c, uint32_t u, uint32_t v, quadric *q, double d[3])
+{
+    const bvxi_corner_vertex *const from = &c->mesh.at[u], *const to = &c->mesh.at[v];
+    double offset[3], middle[3], length = 0, at_v;
+
+    for (int k = 0; k < 3; k++) {
+        offset[k] = (to->p[k] - from->p[k]) * c->scale;
+        middle[k] = 0.5 * offset[k];
+        length += offset[k] * offset[k];
+    }
+    join_quadrics(from, to, offset, q);
+    if (least_point(q, middle, 4 * length, d)) return quadric_at(q, d);
+
+    /* Where the planes leave it open: the better end, which stays on the surface. */
+    at_v = quadric_at(q, offset);
+    for (int k = 0; k < 3; k++) d[k] = at_v < q->c ? offset[k] : 0;
+    return at_v < q->c ? at_v : q->c;
+}
+
+static void put_edge(bvxi_collapse *c, int32_t corner)
+{
+    uint32_t const u = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(corner));
+    uint32_t const v = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(corner));
+    bvxi_queue_entry entry;
+    quadric q;
+    double d[3];
+
+    entry.corner = corner;
+    entry.stamp = c->version[u] + c->version[v];
+    entry.bucket = bvxi_queue_bucket(meeting_point(c, u, v, &q, d));
+    bvxi_queue_put(&c->queue, &entry);
+}
+
+/* ---- Collapsing ---- */
+
+/* Take a triangle out from between its two other edges, which become one; corner is opposite to the collapsing edge. */
+static void drop_triangle(bvxi_collapse *c, int32_t corner)
+{
+    bvxi_corners *const m = &c->mesh;
+
+    bvxi_corners_join(m, bvxi_corner_opposite(m, bvxi_corner_next(corner)), bvxi_corner_opposite(m, bvxi_corner_previous(corner)));
+    m->triangle[corner >> 2].vertex[0] = BVXI_VERTEX_NONE;
+    m->left--;
+    bvxi_box_tree_remove(&c->boxes, corner >> 2);
+}
+
+/* Both ends' quadric, moved to the new position. */
+static void settle_vertex(bvxi_collapse *c, const bvxi_star *star, const quadric *q)
+{
+    bvxi_corner_vertex *const at = &c->mesh.at[star->u];
+    double d[3], g[3];
+
+    for (int k = 0; k < 3; k++) {
+        d[k] = (star->p[k] - at->p[k]) * c->scale;
+        at->p[k] = star->p[k];
+    }
+    half_gradient(q, d, g);
+    for (int i = 0; i < 6; i++) at->a[i] = (float)q->a[i];
+    for (int i = 0; i < 3; i++) at->b[i] = (float)g[i];
+    at->c = (float)quadric_at(q, d);
+}
+
+static void apply_star(bvxi_collapse *c, const bvxi_star *star, const quadric *q)
+{
+    bvxi_corners *const m = &c->mesh;
+    uint32_t const u = star->u, v = star->v;
+    int32_t const across = bvxi_corner_opposite(m, star->edge);
+
+    settle_vertex(c, star, q);
+    c->version[u] = (c->version[u] > c->version[v] ? c->version[u] : c->version[v]) + 1;
+    drop_triangle(c, star->edge);
+    drop_triangle(c, across);
+    for (int32_t i = 0; i < star->count; i++) {
+        m->triangle[star->corner[i] >> 2].vertex[star->corner[i] & 3] = u;
+        m->facing[star->link[i]] = star->facing[i];
+        bvxi_box_tree_move(&c->boxes, star->corner[i] >> 2, &star->box[i]);
+    }
+    m->facing[u] = star->own_facing;
+
+    /* The edge from the new vertex to each of its neighbours has another cost now. */
+    for (int32_t i = 0; i < star->count; i++) put_edge(c, bvxi_corner_previous(star->corner[i]));
+}
+
+/* Judge the star with its new vertex at an offset from u. */
+static int judge_at(bvxi_collapse *c, const double d[3])
+{
+    bvxi_star *const star = &c->star;
+
+    for (int k = 0; k < 3; k++) star->p[k] = rounded(c, c->mesh.at[star->u].p[k] + d[k] / c->scale);
+    return bvxi_star_judge(&c->mesh, &c->boxes, star);
+}
+
+/* Where the best point is not safe, the ends and the middle may be, at no more than twice the cost. */
+static int judge_elsewhere(bvxi_collapse *c, const quadric *q, int32_t bucket)
+{
+    const double *const from = c->mesh.at[c->star.u].p, *const to = c->mesh.at[c->star.v].p;
+
+    for (int i = 0; i < 3; i++) {
+        double d[3];
+
+        for (int k = 0; k < 3; k++) d[k] = 0.5 * i * (to[k] - from[k]) * c->scale;
+        if (bvxi_queue_bucket(quadric_at(q, d)) <= bucket + BVXI_QUEUE_OCTAVE && judge_at(c, d) == BVXI_STAR_SAFE) return BVXI_STAR_SAFE;
+    }
+    return BVXI_STAR_CROSSES;
+}
+
+/* Collapse an edge where that is safe, else put it back among those that cost four times as much. */
+static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
+{
+    const bvxi_corners *const m = &c->mesh;
+    uint32_t u, v;
+    quadric q;
+    int verdict = BVXI_STAR_LINK;
+
+    if (bvxi_corner_gone(m, entry->corner)) return;
+    u = bvxi_corner_vertex_of(m, bvxi_corner_next(entry->corner));
+    v = bvxi_corner_vertex_of(m, bvxi_corner_previous(entry->corner));
+    if (entry->stamp != c->version[u] + c->version[v]) return;
+
+    if (bvxi_star_gather(m, entry->corner, &c->star)) {
+        double d[3];
+
+        meeting_point(c, u, v, &q, d);
+        verdict = judge_at(c, d);
+        if (verdict != BVXI_STAR_SAFE && judge_elsewhere(c, &q, entry->bucket) == BVXI_STAR_SAFE) verdict = BVXI_STAR_SAFE;
+    }
+    if (verdict == BVXI_STAR_SAFE) {
+        c->counts.collapsed++;
+        apply_star(c, &c->star, &q);
+        return;
+    }
+
+    c->counts.link += verdict == BVXI_STAR_LINK;
+    c->counts.turned += verdict == BVXI_STAR_TURNS;
+    c->counts.needle += verdict == BVXI_STAR_NEEDLE;
+    c->counts.crossed += verdict == BVXI_STAR_CROSSES;
+    entry->bucket += COLLAPSE_LATER;
+    if (entry->bucket < BVXI_QUEUE_FINE) bvxi_queue_put(&c->queue, entry);
+}
+
+/* Pack the mesh, and make boxes and queue anew. */
+static void pack_collapse(bvxi_collapse *c)
+{
+    bvxi_corners *const m = &c->mesh;
+
+    if (m->left != m->triangles) bvxi_corners_pack(m, c->version);
+    memset(c->version, 0, (size_t)m->vertices * sizeof *c->version);
+    bvxi_box_tree_set(&c->boxes, m);
+
+    bvxi_queue_clear(&c->queue);
+    for (int32_t t = 0; t < (int32_t)m->triangles; t++)
+        for (int32_t corner = 4 * t; corner < 4 * t + 3; corner++)
+            if (corner < bvxi_corner_opposite(m, corner)) put_edge(c, corner);
+    c->packed = m->left;
+}
+
+bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, double to)
+{
+    uint64_t const begun = c->mesh.left;
+    uint64_t collapsed = c->counts.collapsed;
+    bvxi_queue_entry entry;
+
+    for (uint64_t tried = 0; c->mesh.left > target; tried++) {
+        if (tried % COLLAPSE_REPORT == 0)
+            BVXI_TRY(bvxi_progress(c->ctx, "collapse",
+                                   from + (to - from) * (double)(begun - c->mesh.left) / (double)(begun - target)));
+
+        if (c->mesh.left <= c->packed / 2 || bvxi_queue_room(&c->queue) < BVXI_STAR_MOST) pack_collapse(c);
+
+        /* Far from the target the order of space saves time, near it the order of cost decides what is seen. */
+        c->queue.batch = c->mesh.left > target + target / 2 ? COLLAPSE_BATCH : INT32_MAX;
+        if (bvxi_queue_take(&c->queue, &entry)) {
+            try_edge(c, &entry);
+            continue;
+        }
+
+        /* What was refused comes back while that still helps. */
+        if (collapsed == c->counts.collapsed) break;
+        collapsed = c->counts.collapsed;
+        pack_collapse(c);
+    }
+    return BVX_OK;
+}
+
+/* ---- Opening ---- */
+
+/* Bit i of the low 21 goes to bit 3 i. */
+static uint64_t spread_bits(uint64_t x)
+{
+    x = (x | x << 32) & UINT64_C(0x001f00000000ffff);
+    x = (x | x << 16) & UINT64_C(0x001f0000ff0000ff);
+    x = (x | x << 8) & UINT64_C(0x100f00f00f00f00f);
+    x = (x | x << 4) & UINT64_C(0x10c30c30c30c30c3);
+    x = (x | x << 2) & UINT64_C(0x1249249249249249);
+    return x;
+}
+
+typedef struct collapse_order {
+    const bvx_mesh_view *view;
+    uint64_t *key;     /* of vertices, then of triangles */
+    uint32_t *index;
+    uint32_t *rank;    /* of each vertex of the view in the new order, UINT32_MAX where no triangle uses it */
+    double low[3], scale;
+} collapse_order;
+
+static void vertex_keys(collapse_order *o, uint64_t *used)
+{
+    uint64_t n = 0;
+
+    for (uint64_t v = 0; v < o->view->vertex_count; v++) {
+        double p[3];
+        uint64_t key = 0;
+
+        if (o->rank[v] == UINT32_MAX) continue;
+        bvxi_view_position(o->view, v, p);
+        for (int a = 0; a < 3; a++) key |= spread_bits((uint64_t)((p[a] - o->low[a]) * o->scale)) << a;
+        o->key[n] = key;
+        o->index[n++] = (uint32_t)v;
+    }
+    *used = n;
+}
+
+static int position_before(const double p[3], const double q[3])
+{
+    return p[2] != q[2] ? p[2] < q[2] : p[1] != q[1] ? p[1] < q[1] : p[0] < q[0];
+}
+
+/* Vertices of one key by their positions: there are hardly any. */
+static void order_equal_keys(collapse_order *o, uint64_t used)
+{
+    for (uint64_t i = 1; i < used; i++)
+        for (uint64_t j = i; j > 0 && o->key[j] == o->key[j - 1]; j--) {
+            double p[3], q[3];
+            uint32_t const swap = o->index[j];
+
+            bvxi_view_position(o->view, o->index[j], p);
+            bvxi_view_position(o->view, o->index[j - 1], q);
+            if (!position_before(p, q)) break;
+            o->index[j] = o->index[j - 1];
+            o->index[j - 1] = swap;
+        }
+}
+
+/* Triangles by their least vertex, which comes first, and the one after it: no two begin alike in an oriented manifold. */
+static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
+{
+    uint64_t const n = o->view->triangle_count;
+
+    for (uint64_t t = 0; t < n; t++) {
+        uint32_t v[3];
+
+        bvxi_view_triangle(o->view, t, v);
+        for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
+        {
+            int const first = v[0] < v[1] ? v[0] < v[2] ? 0 : 2 : v[1] < v[2] ? 1 : 2;
+            o->key[t] = (uint64_t)v[first] << 32 | v[(first + 1) % 3];
+        }
+        o->index[t] = (uint32_t)t;
+    }
+    BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, n));
+
+    for (uint64_t t = 0; t < n; t++) {
+        uint32_t v[3];
+        uint32_t *const to = c->mesh.triangle[t].vertex;
+
+        bvxi_view_triangle(o->view, o->index[t], v);
+        for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
+        for (int k = 0; k < 3; k++)
+            if (v[k] == o->key[t] >> 32)
+                for (int j = 0; j < 3; j++) to[j] = v[(k + j) % 3];
+    }
+    return BVX_OK;
+}
+
+/* The mesh in an order of space, and its positions as the result will have them. */
+static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
+{
+    uint64_t used;
+
+    vertex_keys(o, &used);
+    BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, used));
+    order_equal_keys(o, used);
+
+    c->mesh.vertices = used;
+    for (uint64_t i = 0; i < used; i++) {
+        double p[3];
+
+        bvxi_view_position(o->view, o->index[i], p);
+        for (int a = 0; a < 3; a++) c->mesh.at[i].p[a] = rounded(c, p[a]);
+        o->rank[o->index[i]] = (uint32_t)i;
+    }
+    return order_triangles(c, o);
+}
+
+/* Mark the vertices that triangles use. */
+static void mark_used(collapse_order *o)
+{
+    for (uint64_t v = 0; v < o->view->vertex_count; v++) o->rank[v] = UINT32_MAX;
+    for (uint64_t t = 0; t < o->view->triangle_count; t++) {
+        uint32_t v[3];
+
+        bvxi_view_triangle(o->view, t, v);
+        for (int k = 0; k < 3; k++) o->rank[v[k]] = 0;
+    }
+}
+
+static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const double low[3], double size)
+{
+    uint64_t const items = mesh->vertex_count > mesh->triangle_count ? mesh->vertex_count : mesh->triangle_count;
+    uint64_t const bytes = items * 12 + mesh->vertex_count * 4;
+    collapse_order o = {.view = mesh, .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
+    unsigned char *block;
+    bvx_status status;
+
+    memcpy(o.low, low, sizeof o.low);
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, bytes, "the order of the triangles", &block));
+    o.key = (uint64_t *)(void *)block;
+    o.index = (uint32_t *)(void *)(o.key + items);
+    o.rank = o.index + items;
+
+    mark_used(&o);
+    status = take_mesh(c, &o);
+    bvxi_free(c->ctx, block, bytes);
+    return status;
+}
+
+/* ---- Quadrics ---- */
+
+/* A plane through every one of three corners, n of unit length; the offset of a corner from its own plane is nothing. */
+static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
+{
+    int index = 0;
+
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++) at->a[index++] += (float)(weight * n[i] * n[j]);
+}
+
+/* Each triangle's plane to its corners, by area; normal[v] sums the triangles' area normals. */
+static void add_planes(bvxi_collapse *c, double (*normal)[3])
+{
+    const bvxi_corners *const m = &c->mesh;
+
+    for (uint64_t t = 0; t < m->triangles; t++) {
+        const uint32_t *const v = m->triangle[t].vertex;
+        double n[3], length;
+
+        bvxi_area_normal(m->at[v[0]].p, m->at[v[1]].p, m->at[v[2]].p, n);
+        length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        if (!(length > 0)) continue;
+
+        for (int k = 0; k < 3; k++) {
+            for (int i = 0; i < 3; i++) normal[v[i]][k] += n[k];
+            n[k] /= length;
+        }
+        for (int i = 0; i < 3; i++) add_plane(&m->at[v[i]], n, length * c->scale * c->scale);
+    }
+}
+
+/* The squared distance to the line through each vertex along its normal: to the vertex, less that along the normal. */
+static void add_lines(bvxi_collapse *c, double (*normal)[3])
+{
+    for (uint64_t v = 0; v < c->mesh.vertices; v++) {
+        bvxi_corner_vertex *const at = &c->mesh.at[v];
+        double *const n = normal[v];
+        double const length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        double const weight = c->options.even * (double)(at->a[0] + at->a[3] + at->a[5]);
+        int index = 0;
+
+        if (!(length > 0)) continue;
+        for (int k = 0; k < 3; k++) n[k] /= length;
+        for (int i = 0; i < 3; i++)
+            for (int j = i; j < 3; j++) at->a[index++] += (float)(weight * ((i == j) - n[i] * n[j]));
+    }
+}
+
+static bvx_status start_quadrics(bvxi_collapse *c)
+{
+    uint64_t const bytes = c->mesh.vertices * 24;
+    double (*normal)[3];
+
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, bytes, "the vertices' normals", &normal));
+    for (uint64_t v = 0; v < c->mesh.vertices; v++) {
+        memset(c->mesh.at[v].a, 0, sizeof c->mesh.at[v].a);
+        memset(c->mesh.at[v].b, 0, sizeof c->mesh.at[v].b);
+        c->mesh.at[v].c = 0;
+    }
+    add_planes(c, normal);
+    if (c->options.even > 0) add_lines(c, normal);
+    bvxi_free(c->ctx, normal, bytes);
+    return BVX_OK;
+}
+
+/* ---- */
+
+static bvx_status open_arrays(bvxi_collapse *c)
+{
+    uint64_t const entries = 3 * c->begun_triangles + BVXI_STAR_MOST;
+    uint64_t const spread = entries / (BVXI_QUEUE_CHUNK - 1) + BVXI_QUEUE_HEADS;
+
+    c->queue.chunks = (int32_t)(entries < spread ? entries : spread) + 2 * BVXI_STAR_MOST;
+    c->node_bytes = bvxi_box_tree_bytes(c->begun_triangles);
+    c->chunk_bytes = (uint64_t)c->queue.chunks * sizeof *c->queue.chunk + BVXI_QUEUE_HEADS * sizeof *c->queue.head;
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->version, "the vertices' versions", &c->version));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->node_bytes, "the triangles' boxes", &c->nodes));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->chunk_bytes, "the edges by their cost", &c->chunks));
+
+    c->queue.chunk = (bvxi_queue_chunk *)(void *)c->chunks;
+    c->queue.head = (int32_t *)(void *)(c->queue.chunk + c->queue.chunks);
+    bvxi_box_tree_lay_out(&c->boxes, c->begun_triangles, c->nodes);
+    return BVX_OK;
+}
+
+static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
+{
+    double low[3], high[3], size = 0;
+
+    BVXI_TRY(bvxi_view_bounds(c->ctx, c->function, mesh, low, high));
+    for (int a = 0; a < 3; a++) {
+        c->boxes.low[a] = low[a];
+        if (high[a] - low[a] > size) size = high[a] - low[a];
+    }
+    c->boxes.scale = size > 0 ? BVXI_BOX_HIGHEST / size : 0;
+    c->scale = size > 0 ? 1 / size : 1;
+
+    c->begun_vertices = c->mesh.vertices = mesh->vertex_count;
+    c->begun_triangles = c->mesh.triangles = mesh->triangle_count;
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.at, "the vertices", &c->mesh.at));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_triangles * sizeof *c->mesh.triangle, "the triangles", &c->mesh.triangle));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.facing, "what vertices face", &c->mesh.facing));
+    BVXI_TRY(order_mesh(c, mesh, low, size));
+    BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh));
+    BVXI_TRY(start_quadrics(c));
+
+    BVXI_TRY(open_arrays(c));
+    pack_collapse(c);
+    return BVX_OK;
+}
+
+bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvxi_collapse_options *options,
+                              bvxi_collapse **collapse)
+{
+    bvxi_collapse *c;
+    bvx_status status;
+
+    if (mesh->triangle_count > INT32_MAX / 4)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %u triangles are too many; %u are possible", function, mesh->triangle_count,
+                         (uint64_t)INT32_MAX / 4);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *c, "the collapse", &c));
+    c->ctx = ctx;
+    c->function = function;
+    c->options = *options;
+    c->star.lenient = options->lenient;
+    status = open_steps(c, mesh);
+    if (status == BVX_OK) *collapse = c;
+    else bvxi_collapse_close(c);
+    return status;
+}
+
+void bvxi_collapse_close(bvxi_collapse *c)
+{
+    if (c == NULL) return;
+    bvxi_free(c->ctx, c->chunks, c->chunk_bytes);
+    bvxi_free(c->ctx, c->nodes, c->node_bytes);
+    bvxi_free(c->ctx, c->version, c->begun_vertices * sizeof *c->version);
+    bvxi_free(c->ctx, c->mesh.facing, c->begun_vertices * sizeof *c->mesh.facing);
+    bvxi_free(c->ctx, c->mesh.triangle, c->begun_triangles * sizeof *c->mesh.triangle);
+    bvxi_free(c->ctx, c->mesh.at, c->begun_vertices * sizeof *c->mesh.at);
+    bvxi_free(c->ctx, c, sizeof *c);
+}
+
+/* ---- Results ---- */
+
+bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
+{
+    const bvxi_corners *const m = &c->mesh;
+
+    pack_collapse(c);
+    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, m->vertices, m->triangles, level));
+    for (uint64_t t = 0; t < m->triangles; t++) memcpy(level->triangles + 3 * t, m->triangle[t].vertex, 12);
+    for (uint64_t v = 0; v < m->vertices; v++)
+        for (uint64_t k = 0; k < 3; k++) {
+            if (c->options.position_type == BVX_F64) ((double *)level->positions)[3 * v + k] = m->at[v].p[k];
+            else ((float *)level->positions)[3 * v + k] = (float)m->at[v].p[k];
+        }
+    return BVX_OK;
+}
+
+uint64_t bvxi_collapse_triangles(const bvxi_collapse *c)
+{
+    return c->mesh.left;
+}
+
+const bvxi_collapse_counts *bvxi_collapse_tried(const bvxi_collapse *c)
+{
+    return &c->counts;
+}

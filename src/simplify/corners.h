@@ -1,0 +1,101 @@
+/* corners.h - a closed triangle mesh whose edges can collapse: a corner table. Not installed.
+ *
+ * Source: Rossignac. Edgebreaker: Connectivity Compression for Triangle Meshes. 1999.
+ *
+ * Corner c belongs to triangle c / 4, whose corners c % 4 of 0, 1, 2 run counter-clockwise; the edge opposite to c joins its two fellows.
+ * Every vertex has one fan of triangles, so all of it is reached from one corner. A vertex is one line of cache, a
+ * triangle's corners lie together: collapses are bound by the memory that they touch. */
+#ifndef BVXI_CORNERS_H
+#define BVXI_CORNERS_H
+
+#include "core/core.h"
+
+#define BVXI_VERTEX_NONE UINT32_MAX
+
+/* A position of the result's type, and the sum of squared distances about it: d'Ad + 2b'd + c at position + d, in units of
+ * the mesh's size; A is xx xy xz yy yz zz. */
+typedef struct bvxi_corner_vertex {
+    double p[3];
+    float a[6], b[3], c;
+} bvxi_corner_vertex;
+
+typedef struct bvxi_corner_triangle {
+    uint32_t vertex[3];  /* the first BVXI_VERTEX_NONE once the triangle is gone */
+    int32_t opposite[3]; /* the corner across the edge opposite to each */
+} bvxi_corner_triangle;
+
+/* Seen along it all triangles around a vertex lie side by side; 0, 0, 0 where that is not known. */
+typedef struct bvxi_facing {
+    float along[3];
+} bvxi_facing;
+
+typedef struct bvxi_corners {
+    bvxi_corner_vertex *at;         /* [Size: vertices] */
+    bvxi_corner_triangle *triangle; /* [Size: triangles] */
+    bvxi_facing *facing;            /* [Size: vertices] */
+    uint64_t vertices, triangles;
+    uint64_t left;                  /* triangles that are not gone */
+} bvxi_corners;
+
+static inline int32_t bvxi_corner_next(int32_t c)
+{
+    return (c & 3) == 2 ? c - 2 : c + 1;
+}
+
+static inline int32_t bvxi_corner_previous(int32_t c)
+{
+    return (c & 3) == 0 ? c + 2 : c - 1;
+}
+
+static inline uint32_t bvxi_corner_vertex_of(const bvxi_corners *m, int32_t c)
+{
+    return m->triangle[c >> 2].vertex[c & 3];
+}
+
+static inline int32_t bvxi_corner_opposite(const bvxi_corners *m, int32_t c)
+{
+    return m->triangle[c >> 2].opposite[c & 3];
+}
+
+static inline const double *bvxi_corner_position(const bvxi_corners *m, uint32_t vertex)
+{
+    return m->at[vertex].p;
+}
+
+static inline int bvxi_corner_gone(const bvxi_corners *m, int32_t c)
+{
+    return m->triangle[c >> 2].vertex[0] == BVXI_VERTEX_NONE;
+}
+
+/* The next corner of the same vertex, counter-clockwise: across the edge to the previous corner. */
+static inline int32_t bvxi_corner_turn_left(const bvxi_corners *m, int32_t c)
+{
+    return bvxi_corner_next(bvxi_corner_opposite(m, bvxi_corner_next(c)));
+}
+
+static inline void bvxi_corners_join(bvxi_corners *m, int32_t a, int32_t b)
+{
+    m->triangle[a >> 2].opposite[a & 3] = b;
+    m->triangle[b >> 2].opposite[b & 3] = a;
+}
+
+/* (b - a) x (c - a): twice the triangle's area along its normal. */
+static inline void bvxi_area_normal(const double *a, const double *b, const double *c, double n[3])
+{
+    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+
+    n[0] = u[1] * v[2] - u[2] * v[1];
+    n[1] = u[2] * v[0] - u[0] * v[2];
+    n[2] = u[0] * v[1] - u[1] * v[0];
+}
+
+/* Join the corners of a mesh whose vertices and triangles' vertices are set. Refuses with BVX_ERR_ARGUMENT what is not
+ * closed, edge- and vertex-manifold and oriented. Scratch: 36 bytes a triangle. */
+bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *mesh);
+
+/* Close the gaps that collapses left: vertices and triangles keep their order. moved [Size: vertices before] becomes the
+ * new index of each vertex, or BVXI_VERTEX_NONE. */
+void bvxi_corners_pack(bvxi_corners *mesh, uint32_t *moved);
+
+#endif

@@ -1,0 +1,187 @@
+/* levels.c - a chain of levels by triangle count, by error or by halving, each continued from the one before.
+ *
+ * A level by error is found by going on in steps of a sixth of the triangles and measuring each: the last one that keeps the
+ * error is the level, and the chain goes on from the first one that does not. */
+#include "simplify/levels.h"
+#include "core/angle.h"
+
+#include <math.h>
+
+enum { LEVEL_ERROR_SAMPLES = 20000, LEVEL_SEED = 1 };
+
+/* ---- Checks ---- */
+
+bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
+{
+    if (c->count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level_count is 0", c->function);
+    if (c->target_triangles != NULL && c->target_errors != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_triangles and target_errors exclude each other; set one of them", c->function);
+    if (c->error_kind != BVX_ERROR_MEAN && c->error_kind != BVX_ERROR_MAX)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: error_kind %d is neither BVX_ERROR_MEAN nor BVX_ERROR_MAX", c->function,
+                         (int64_t)c->error_kind);
+    if (!(c->collapse.even >= 0 && c->collapse.even <= 1))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: even %g is outside 0 to 1", c->function, c->collapse.even);
+    if (c->measure_samples > INT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: measure_samples %u is above 2^31 - 1", c->function, c->measure_samples);
+    if ((c->strict & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: strict %d is neither 0 nor 1", c->function, (int64_t)c->strict);
+
+    for (uint64_t i = 0; i < c->count; i++) {
+        if (c->target_triangles != NULL && c->target_triangles[i] == 0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_triangles[%u] is 0", c->function, i);
+        if (c->target_errors != NULL && !(c->target_errors[i] > 0 && c->target_errors[i] - c->target_errors[i] == 0))
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_errors[%u] is %g; it must be above 0 and finite", c->function, i,
+                             c->target_errors[i]);
+    }
+    return BVX_OK;
+}
+
+void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        if (levels[i].owned) bvx_mesh_free(ctx, &levels[i]);
+        else levels[i].vertex_count = levels[i].triangle_count = 0;
+    }
+}
+
+/* ---- Measures ---- */
+
+static bvx_status measure_level(bvx_context *ctx, const bvxi_level_chain *c, const bvx_mesh *level, uint64_t samples, bvx_distance_report *d)
+{
+    bvx_mesh_view view;
+
+    bvx_mesh_view_of(level, &view);
+    return bvx_mesh_distance(ctx, c->original, &view, samples, LEVEL_SEED, d);
+}
+
+/* Cosine and sine of an angle between two sides, as lengths of its triangle; the smallest by its tangent. */
+static double smallest_angle(const bvx_mesh *level)
+{
+    bvx_mesh_view view;
+    double least = BVXI_PI;
+
+    bvx_mesh_view_of(level, &view);
+    for (uint64_t t = 0; t < level->triangle_count; t++) {
+        double p[3][3];
+
+        for (int k = 0; k < 3; k++)
+            for (int a = 0; a < 3; a++) {
+                uint64_t const at = 3 * (uint64_t)level->triangles[3 * t + (uint64_t)k] + (uint64_t)a;
+                p[k][a] = level->position_type == BVX_F64 ? ((const double *)level->positions)[at] : (double)((const float *)level->positions)[at];
+            }
+        for (int k = 0; k < 3; k++) {
+            double u[3], v[3], n[3], angle;
+
+            for (int a = 0; a < 3; a++) {
+                u[a] = p[(k + 1) % 3][a] - p[k][a];
+                v[a] = p[(k + 2) % 3][a] - p[k][a];
+            }
+            for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+            angle = bvxi_angle(u[0] * v[0] + u[1] * v[1] + u[2] * v[2], sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
+            if (angle < least) least = angle;
+        }
+    }
+    return least * (180 / BVXI_PI);
+}
+
+static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, const bvxi_collapse *collapse, int met)
+{
+    const bvxi_collapse_counts *const counts = bvxi_collapse_tried(collapse);
+    bvx_mesh_view view;
+    bvx_level_report *r;
+    uint64_t crossings = 0;
+
+    bvx_mesh_view_of(&c->levels[i], &view);
+    if (c->reports == NULL) return BVX_OK;
+
+    BVXI_TRY(bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
+    r = &c->reports[i];
+    memset(r, 0, sizeof *r);
+    r->vertices = view.vertex_count;
+    r->triangles = view.triangle_count;
+    r->target = c->target_triangles != NULL ? c->target_triangles[i] : c->target_errors != NULL ? 0 : c->halve_from >> (i + 1);
+    r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
+    r->met = met;
+    r->crossings = crossings;
+    r->least_angle = smallest_angle(&c->levels[i]);
+    r->refused = counts->link + counts->turned + counts->needle + counts->crossed;
+    BVXI_TRY(bvx_mesh_check(ctx, &view, 0, &r->certificate));
+
+    if (c->measure_samples == 0) return BVX_OK;
+    r->measured = 1;
+    return measure_level(ctx, c, &c->levels[i], c->measure_samples, &r->distance);
+}
+
+/* ---- Levels ---- */
+
+static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, double from, double to, int *met)
+{
+    uint64_t const halved = i < 63 ? c->halve_from >> (i + 1) : 0;
+    uint64_t const target = c->target_triangles != NULL ? c->target_triangles[i] : halved;
+
+    BVXI_TRY(bvxi_collapse_to(collapse, target, from, to));
+    *met = bvxi_collapse_triangles(collapse) <= target;
+    return bvxi_collapse_give(collapse, &c->levels[i]);
+}
+
+/* Give the mesh as it is now to level i when it keeps the error; *kept tells. */
+static bvx_status keep_when_near(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *kept)
+{
+    uint64_t const samples = c->measure_samples != 0 ? c->measure_samples : LEVEL_ERROR_SAMPLES;
+    bvx_distance_report d;
+    bvx_mesh now = {0};
+    bvx_status status = bvxi_collapse_give(collapse, &now);
+
+    if (status == BVX_OK) status = measure_level(ctx, c, &now, samples, &d);
+    *kept = status == BVX_OK && (c->error_kind == BVX_ERROR_MEAN ? d.mean : d.max) <= c->target_errors[i];
+    bvx_mesh_free(ctx, &now);
+    return status;
+}
+
+static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *met)
+{
+    uint64_t before;
+    int kept = 1;
+
+    *met = 0;
+    do {
+        bvx_mesh made = {0};
+
+        BVXI_TRY(keep_when_near(ctx, c, i, collapse, &kept));
+        if (!kept && *met) break;
+        BVXI_TRY(bvxi_collapse_give(collapse, &made));
+        if (c->levels[i].owned) bvx_mesh_free(ctx, &c->levels[i]);
+        c->levels[i] = made;
+        *met = kept;
+
+        before = bvxi_collapse_triangles(collapse);
+        BVXI_TRY(bvxi_collapse_to(collapse, before - before / 6, 0, 1));
+    } while (kept && bvxi_collapse_triangles(collapse) < before);
+    return BVX_OK;
+}
+
+static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, double from, double to)
+{
+    int met;
+
+    if (c->target_errors != NULL) BVXI_TRY(make_by_error(ctx, c, i, collapse, &met));
+    else BVXI_TRY(make_by_count(c, i, collapse, from, to, &met));
+    if (c->strict && !met)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u cannot keep its target: %u triangles are the fewest that keep the guarantee",
+                         c->function, i, c->levels[i].triangle_count);
+    return report_level(ctx, c, i, collapse, met);
+}
+
+bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface, double from, double to)
+{
+    bvxi_collapse *collapse = NULL;
+    bvx_status status = bvxi_collapse_open(ctx, c->function, surface, &c->collapse, &collapse);
+
+    for (uint64_t i = 0; i < c->count && status == BVX_OK; i++) {
+        double const share = (to - from) / (double)c->count;
+
+        status = make_level(ctx, c, i, collapse, from + share * (double)i, from + share * (double)(i + 1));
+    }
+    bvxi_collapse_close(collapse);
+    if (status != BVX_OK) bvxi_levels_drop(ctx, c->levels, c->count);
+    return status;
+}

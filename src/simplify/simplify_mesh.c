@@ -1,0 +1,93 @@
+/* simplify_mesh.c - levels of a mesh that is closed, manifold and oriented as it is: bvx_mesh_simplify. */
+#include "mesh/view.h"
+#include "mesh/weld.h"
+#include "simplify/levels.h"
+
+static const char simplify_name[] = "bvx_mesh_simplify";
+
+static const bvx_simplify_options simplify_defaults = {.error_kind = BVX_ERROR_MEAN, .even = 0.000001};
+
+void bvx_simplify_options_init(bvx_simplify_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &simplify_defaults, sizeof simplify_defaults);
+}
+
+bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mesh_view *view, uint32_t **corner)
+{
+    uint64_t const bytes = mesh->vertex_count * 4;
+    uint64_t different, kept = 0;
+    uint32_t *representative, *to;
+    bvx_status status;
+
+    *view = *mesh;
+    *corner = NULL;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the welded triangles", corner));
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' positions", &representative);
+    if (status == BVX_OK) status = bvxi_weld(ctx, mesh, representative, &different);
+
+    to = *corner;
+    for (uint64_t t = 0; t < mesh->triangle_count && status == BVX_OK; t++) {
+        uint32_t v[3];
+
+        bvxi_view_triangle(mesh, t, v);
+        for (int k = 0; k < 3; k++) v[k] = representative[v[k]];
+        if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
+        memcpy(to + 3 * kept++, v, sizeof v);
+    }
+    bvxi_free(ctx, representative, bytes);
+
+    view->indices = *corner;
+    view->index_type = BVX_U32;
+    view->index_stride = 0;
+    view->triangle_count = kept;
+    return status;
+}
+
+static bvx_status check_simplify_options(bvx_context *ctx, const bvx_simplify_options *o)
+{
+    if (o->position_type != 0 && o->position_type != BVX_F32 && o->position_type != BVX_F64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither 0, BVX_F32 nor BVX_F64", simplify_name,
+                         (int64_t)o->position_type);
+    if (o->reserved0 != 0 || (o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", simplify_name);
+    return BVX_OK;
+}
+
+bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh, const bvx_simplify_options *options,
+                             uint64_t level_count, bvx_mesh *levels)
+{
+    bvx_simplify_options o = simplify_defaults;
+    bvxi_level_chain chain = {.function = simplify_name};
+    double low[3], high[3];
+    bvx_mesh_view welded;
+    uint32_t *corner = NULL;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (levels == NULL) return bvxi_fail_null(context, simplify_name, "levels");
+    BVXI_TRY(bvxi_take_options(context, simplify_name, options, &o, sizeof o));
+    BVXI_TRY(check_simplify_options(context, &o));
+    BVXI_TRY(bvxi_view_check(context, simplify_name, mesh));
+    for (uint64_t i = 0; i < level_count; i++) BVXI_TRY(bvxi_view_apart(context, simplify_name, mesh, &levels[i]));
+
+    chain.original = mesh;
+    chain.target_triangles = o.target_triangles;
+    chain.target_errors = o.target_errors;
+    chain.halve_from = mesh->triangle_count;
+    chain.error_kind = o.error_kind;
+    chain.strict = o.strict;
+    chain.measure_samples = o.measure_samples;
+    chain.collapse.position_type = o.position_type != 0 ? o.position_type : (int32_t)mesh->position_type;
+    chain.collapse.even = o.even;
+    chain.collapse.lenient = 1;
+    chain.count = level_count;
+    chain.levels = levels;
+    chain.reports = o.reports;
+    BVXI_TRY(bvxi_levels_check(context, &chain));
+
+    BVXI_TRY(bvxi_view_bounds(context, simplify_name, mesh, low, high));
+    status = bvxi_welded_view(context, mesh, &welded, &corner);
+    if (status == BVX_OK) status = bvxi_levels_make(context, &chain, &welded, 0.0, 1.0);
+    bvxi_free(context, corner, mesh->triangle_count * 12);
+    return status;
+}
