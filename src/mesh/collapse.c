@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-enum { COLLAPSE_NONE = -1, COLLAPSE_REPORT = 1024 };
+enum { COLLAPSE_NONE = -1, EDGES_REPORT = 1024 };
 
 /* Corner c belongs to triangle c / 3; the edge opposite to it runs between its two fellows. */
 typedef struct collapse_work {
@@ -96,7 +96,7 @@ static void heap_update(collapse_work *w, int32_t c, double cost)
 /* ---- cost ---- */
 
 /* Where an edge's ends would meet, and what it costs. */
-static double meeting_point(const collapse_work *w, uint32_t u, uint32_t v, double p[3])
+static double cheapest_point(const collapse_work *w, uint32_t u, uint32_t v, double p[3])
 {
     const double *const a = w->position + 3 * (size_t)u, *const b = w->position + 3 * (size_t)v;
     bvxi_quadric q = w->quadric[u];
@@ -122,7 +122,7 @@ static double meeting_point(const collapse_work *w, uint32_t u, uint32_t v, doub
 static double edge_cost(const collapse_work *w, int32_t c)
 {
     double p[3];
-    return meeting_point(w, w->vertex[corner_next(c)], w->vertex[corner_previous(c)], p);
+    return cheapest_point(w, w->vertex[corner_next(c)], w->vertex[corner_previous(c)], p);
 }
 
 /* ---- may an edge go? ---- */
@@ -245,9 +245,9 @@ static bvx_status collapse_all(bvx_context *ctx, collapse_work *w, uint64_t targ
         int32_t const c = w->heap[0];
         uint32_t const u = w->vertex[corner_next(c)], v = w->vertex[corner_previous(c)];
         double p[3];
-        if (tried % COLLAPSE_REPORT == 0)
+        if (tried % EDGES_REPORT == 0)
             BVXI_TRY(bvxi_progress(ctx, "collapse", (double)(w->triangles - w->left) / (double)(w->triangles - target)));
-        meeting_point(w, u, v, p);
+        cheapest_point(w, u, v, p);
         if (link_allows(w, c) && star_survives(w, corner_next(c), v, p) && star_survives(w, corner_previous(c), u, p))
             collapse_edge(w, c, p);
         else
@@ -276,7 +276,7 @@ static bvx_status face_corners(bvx_context *ctx, collapse_work *w, uint64_t *key
     return BVX_OK;
 }
 
-static void start_quadrics(collapse_work *w)
+static void sum_quadrics(collapse_work *w)
 {
     memset(w->quadric, 0, (size_t)w->vertices * sizeof *w->quadric);
     for (uint64_t t = 0; t < w->triangles; t++) {
@@ -344,7 +344,7 @@ static void lay_out(collapse_work *w, unsigned char *memory)
     for (uint64_t v = 0; v < w->vertices; v++) w->star[v] = COLLAPSE_NONE;
 }
 
-bvx_status bvxi_collapse(bvx_context *ctx, double *positions, uint64_t *vertex_count, uint32_t *triangles,
+bvx_status bvxi_collapse_edges(bvx_context *ctx, double *positions, uint64_t *vertex_count, uint32_t *triangles,
                          uint64_t *triangle_count, uint64_t target)
 {
     collapse_work w = {0};
@@ -366,7 +366,7 @@ bvx_status bvxi_collapse(bvx_context *ctx, double *positions, uint64_t *vertex_c
         status = face_corners(ctx, &w, (uint64_t *)(void *)sorting, (uint32_t *)(void *)(sorting + corners * 8));
     bvxi_free(ctx, sorting, corners * 12);
     if (status == BVX_OK) {
-        start_quadrics(&w);
+        sum_quadrics(&w);
         start_heap(&w);
         status = collapse_all(ctx, &w, target);
         if (status == BVX_OK) pack_mesh(&w, vertex_count, triangle_count);

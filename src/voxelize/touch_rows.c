@@ -108,7 +108,7 @@ static void narrow_by_lines(const touch_lines *lines, int64_t v, int64_t *first,
 
 /* ---- the plane ---- */
 
-static double magnitude(double v)
+static double absolute(double v)
 {
     return v < 0 ? -v : v;
 }
@@ -146,7 +146,7 @@ static void make_plane(touch_triangle *t, const int64_t n[3])
     p->along_j = (double)p->n[1] * (double)t->step * inverse;
     p->along_k = (double)p->n[2] * (double)t->step * inverse;
     /* no more than ten roundings of terms that sum up to this; floors are taken of numbers raised by 2 */
-    p->error = (magnitude(p->from) + magnitude(p->to) + magnitude(p->along_j) * rows + magnitude(p->along_k) * slices) *
+    p->error = (absolute(p->from) + absolute(p->to) + absolute(p->along_j) * rows + absolute(p->along_k) * slices) *
                    (1.0 / 562949953421312.0) + 1.0 / 16777216.0; /* 2^-49, 2^-24 */
 }
 

@@ -111,7 +111,7 @@ static void test_noise_stays_manifold(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &noise, &options, &mesh));
         before = certify(&mesh);
         /* to nothing: goes on until no edge may go */
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse(ctx, mesh.positions, &mesh.vertex_count, mesh.triangles, &mesh.triangle_count, 4));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_edges(ctx, mesh.positions, &mesh.vertex_count, mesh.triangles, &mesh.triangle_count, 4));
         bvx_mesh_view_of(&mesh, &view);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &after));
         check_manifold(&after, before.euler, before.components);
@@ -141,7 +141,7 @@ static void test_flat_faces_cost_nothing(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &block, &options, &mesh));
     before = certify(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_OK,
-                            bvxi_collapse(ctx, mesh.positions, &mesh.vertex_count, mesh.triangles, &mesh.triangle_count, 120));
+                            bvxi_collapse_edges(ctx, mesh.positions, &mesh.vertex_count, mesh.triangles, &mesh.triangle_count, 120));
     after = certify(&mesh);
     check_manifold(&after, 2, 1);
     TEST_ASSERT_LESS_OR_EQUAL_UINT64(120, after.triangles);
@@ -155,7 +155,7 @@ static void test_open_mesh_is_refused(void)
     double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     uint32_t triangle[3] = {0, 1, 2};
     uint64_t vertices = 3, triangles = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvxi_collapse(ctx, positions, &vertices, triangle, &triangles, 0));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvxi_collapse_edges(ctx, positions, &vertices, triangle, &triangles, 0));
 }
 
 static void test_bad_options_are_named(void)
