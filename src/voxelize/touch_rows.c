@@ -70,7 +70,7 @@ static int cut_to_tile(const bvxi_surface_tile *tile, const int32_t (*corner)[3]
 
 /* ---- lines ---- */
 
-static void add_edge(const touch_triangle *t, int u, int v, int from, int to, int64_t turn, touch_lines *lines)
+static void add_touched_edge(const touch_triangle *t, int u, int v, int from, int to, int64_t turn, touch_lines *lines)
 {
     const int64_t *const p = t->p[from], *const q = t->p[to];
     int64_t const du = (p[v] - q[v]) * turn, dv = (q[u] - p[u]) * turn; /* slopes of the edge function, positive inside */
@@ -86,7 +86,7 @@ static void add_edge(const touch_triangle *t, int u, int v, int from, int to, in
 static void make_lines(const touch_triangle *t, int u, int v, int64_t area, touch_lines *lines)
 {
     lines->count = 0;
-    for (int i = 0; i < 3; i++) add_edge(t, u, v, i, (i + 1) % 3, area < 0 ? -1 : 1, lines);
+    for (int i = 0; i < 3; i++) add_touched_edge(t, u, v, i, (i + 1) % 3, area < 0 ? -1 : 1, lines);
 }
 
 /* Narrow [*first, *last] to the indices along u that all lines allow at index v. An edge along u bounds the triangle's box along

@@ -70,6 +70,8 @@ def test_progress_and_cancellation():
 
     with pytest.raises(Mine):
         bitvox.lod(TETRAHEDRON, levels=16, progress=fail)
+    with pytest.raises(Mine):
+        bitvox.lod(TETRAHEDRON, progress=fail)
     with pytest.raises(TypeError):
         bitvox.surface(grid, progress=3)
 
@@ -156,7 +158,8 @@ def everything(mesh, grid):
         grid.distance("signed", nearest=True)[1].tobytes(), grid.distance(squares=True).tobytes(), grid.coverage(3).tobytes(), grid.content(),
         volume.threshold(-20, 5).content_hash(), volume.surface(-3, keys=True).content_hash(), volume.labels(), volume.label(10).count,
         grid.components().tobytes(), grid.label(connectivity=26).tobytes(), grid.keep(largest=1).content_hash(), grid.fill_cavities().content_hash(),
-        grid.topology(), bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(),
+        grid.topology(), [level.content_hash() for level in bitvox.lod(mesh, triangles=(300, 100))],
+        bitvox.simplify(mesh, error="1%").content_hash(), bitvox.plan_levels(mesh), bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(),
     ]
 
 
@@ -268,6 +271,8 @@ def test_ten_thousand_calls_leak_nothing(tetrahedron, tmp_path):
         bitvox.from_sections(sections, grid=(4, 4)).report
         bitvox.loads(bitvox.dumps(sections, "csl"), "csl")
         bitvox.repair(tetrahedron, resolution=8)
+        grid.surface().simplify(count=2)[1].report
+        bitvox.lod(tetrahedron, resolution=8, triangles=20).report
         bitvox.merge([grid.surface(keys=True)])
         (grid | ~grid).downsample(3).pad(1)
         grid.close(radius=0.1).hollow(0.1).report
@@ -322,7 +327,8 @@ def test_without_numpy():
         assert (grid | ~grid).count == 32 ** 3 and grid[0, 0, 0] and grid.count == len(grid)
         assert bitvox.loads(bitvox.dumps(mesh, "ply"), "ply").content_hash() == mesh.content_hash()
         assert bitvox.loads(bitvox.dumps(grid, "bvx"), "bvx") == grid
-        assert bitvox.lod((v, f), levels=8)[0].n_faces > 0 and mesh.bounds[0] >= (0, 0, 0)
+        assert bitvox.lod((v, f), levels=8)[0].n_faces > 0 and bitvox.lod(mesh, error="1%", carry=False)[0].n_faces < mesh.n_faces
+        assert mesh.simplify(triangles=20).n_faces <= 20 and bitvox.repair((v, f), resolution=16, triangles=20).n_faces <= 20 and mesh.bounds[0] >= (0, 0, 0)
         assert bitvox.render(grid, size=(20, 20)).png()[:4] == b"\\x89PNG"
         assert grid.sample([[0.1, 0.1, 0.1]])[0] == 1.0
         assert bitvox.refine((v, f), levels=2).counts()

@@ -29,7 +29,7 @@ from ._errors import (
     VersionError,
 )
 from ._field import Field, field
-from ._files import Writer, dumps, loads, read, write
+from ._files import Writer, dumps, loads, read, write, write_levels
 from ._grid import Attached, Grid
 from ._image import Image, render
 from ._lattice import Lattice, Window
@@ -81,6 +81,7 @@ __all__ = [
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Levels", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
     "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean",
     "carry", "check", "compare", "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
-    "find_seed", "from_sections", "loads", "lod", "merge", "plan_levels", "read", "read_points", "read_volume", "refine", "register_with_trimesh", "render",
-    "repair", "settings", "simplify", "slice_mesh", "surface", "surface_counts", "voxelize", "voxelize_points", "write",
+    "find_seed", "from_sections", "loads", "lod", "merge", "plan_levels", "read", "read_points", "read_volume", "refine",
+    "register_with_trimesh", "render", "repair", "settings", "simplify", "slice_mesh", "surface", "surface_counts", "voxelize",
+    "voxelize_points", "write", "write_levels",
 ]
