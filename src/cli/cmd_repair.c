@@ -4,8 +4,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* The numbers of the repair in the report's JSON. */
-static void add_repair_json(cli_run *run, const bvx_repair_report *r, int measured)
+void cli_report_repair(cli_run *run, const bvx_repair_report *r, int measured)
 {
     cli_text *const t = &run->report.more;
     cli_text_add(t, ", \"repair\": {\"sign\": \"%s\"", cli_sign_names[r->sign]);
@@ -89,9 +88,7 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
 
 static int check_repair_options(cli_run *run)
 {
-    const char *const out = run->options.output;
-    if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH || cli_is_packed(out))
-        return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", out);
+    if (cli_check_mesh_name(run, run->options.output) != CLI_DONE) return CLI_USAGE;
     if (run->options.triangles.count > 1) return cli_usage(run, "--triangles: one number is wanted");
     return cli_check_normals(run);
 }
@@ -128,7 +125,7 @@ static void report_repair(cli_run *run, const bvx_repair_report *report)
     entry->certificate = report->after;
     if (run->options.measure) entry->distance = &report->distance;
     run->report.meshes = 1;
-    add_repair_json(run, report, run->options.measure);
+    cli_report_repair(run, report, run->options.measure);
 }
 
 static int run_repair(cli_run *run)
