@@ -512,6 +512,25 @@ int cli_open_levels(cli_run *run, int count, char **path);
 /* Write all levels to these outputs and keep them. */
 int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path);
 
+/* ---- reduce.c: --triangles and --error of commands that make one mesh ---- */
+
+typedef struct cli_reduction {
+    int done;               /* fewer triangles were asked for and made */
+    uint64_t before;        /* triangles */
+    bvx_level_report level;
+} cli_reduction;
+
+/* 1 when --triangles or --error is given. */
+int cli_reduces(const cli_run *run);
+/* Refuse both together. */
+int cli_check_reduction(cli_run *run);
+/* Refuse each of them, with the reason behind its name. */
+int cli_refuse_reduction(cli_run *run, const char *why);
+/* The edges of a closed mesh collapse, where that is asked for. */
+int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
+/* What became of it: a line of text, a member of the JSON report. */
+void cli_tell_reduction(cli_run *run, const cli_reduction *r);
+
 /* ---- level_tables.c: what is told of levels ---- */
 
 /* 1 when a mesh is closed, manifold and oriented. */
@@ -520,8 +539,9 @@ int cli_is_sound(const bvx_certificate *certificate);
 void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *certificate, double diagonal);
 /* The report's levels that edges collapsed to: triangles, targets, what they are. */
 void cli_say_collapsed(cli_run *run, int count, double diagonal);
-/* The distances of the report's meshes to the input; to says what that is where it is no mesh, unit_of whose unit they have. */
-void cli_say_distances(cli_run *run, int count, double diagonal, const char *to, const char *unit_of);
+/* The distances of the report's meshes to the input; to says what that is where it is no mesh, unit_of whose unit they have;
+ * decimals of percent. */
+void cli_say_distances(cli_run *run, int count, double diagonal, int decimals, const char *to, const char *unit_of);
 /* The files' names. */
 void cli_say_written(cli_run *run, int count);
 

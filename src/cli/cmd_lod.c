@@ -185,7 +185,7 @@ static int make_chain(cli_run *run, cli_chain *c)
     if (run->options.carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
     say_head(run, c);
     say_levels(run, c);
-    cli_say_distances(run, c->count, c->diagonal, c->kind == CLI_GRID ? "to the voxels' surface, " : "", c->kind == CLI_GRID ? "grid" : "mesh");
+    cli_say_distances(run, c->count, c->diagonal, 3, c->kind == CLI_GRID ? "to the voxels' surface, " : "", c->kind == CLI_GRID ? "grid" : "mesh");
     cli_say_written(run, c->count);
     return CLI_DONE;
 }

@@ -224,7 +224,7 @@ int cli_finish_collapse(cli_run *run, cli_collapse_run *c, void (*head)(cli_run 
 
     head(run, c);
     cli_say_collapsed(run, c->count, c->diagonal);
-    cli_say_distances(run, c->count, c->diagonal, "", "mesh");
+    cli_say_distances(run, c->count, c->diagonal, 4, "", "mesh");
     cli_say_written(run, c->count);
     return CLI_DONE;
 }

@@ -48,28 +48,31 @@ void cli_say_collapsed(cli_run *run, int count, double diagonal)
     }
 }
 
-static void say_distance(cli_run *run, double d, double diagonal)
+static void say_distance(cli_run *run, double d, double diagonal, int decimals)
 {
     double const part = d / diagonal;
 
-    if (is_length(diagonal) && part - part == 0.0) cli_say(run, "  %9.3g %6.3f%%", d, 100.0 * part);
-    else cli_say(run, "  %9.3g %7s", d, "-");
+    if (is_length(diagonal) && part - part == 0.0) cli_say(run, "  %9.3g %*.*f%%", d, 3 + decimals, decimals, 100.0 * part);
+    else cli_say(run, "  %9.3g %*s", d, 4 + decimals, "-");
 }
 
-void cli_say_distances(cli_run *run, int count, double diagonal, const char *to, const char *unit_of)
+void cli_say_distances(cli_run *run, int count, double diagonal, int decimals, const char *to, const char *unit_of)
 {
+    int const one = 16 + decimals;
+
     if (run->report.mesh[0].distance == NULL) return;
     cli_say(run, "\ndistances %sin the %s's unit and in %% of its diagonal, from %" PRIu64 " random points on each mesh, seed %d\n", to,
             unit_of, run->report.mesh[0].distance->samples, DISTANCE_SEED);
-    cli_say(run, "%43s%38s\nlevel%19s%19s%19s%19s\n", "level to input", "input to level", "mean", "max", "mean", "max");
+    cli_say(run, "%*s%*s\n", 5 + 2 * one, "level to input", 2 * one, "input to level");
+    cli_say(run, "level%*s%*s%*s%*s\n", one, "mean", one, "max", one, "mean", one, "max");
     for (int i = 0; i < count; i++) {
         const bvx_distance_report *const d = run->report.mesh[i].distance;
 
         cli_say(run, "%5d", i);
-        say_distance(run, d->mean_a_to_b, diagonal);
-        say_distance(run, d->max_a_to_b, diagonal);
-        say_distance(run, d->mean_b_to_a, diagonal);
-        say_distance(run, d->max_b_to_a, diagonal);
+        say_distance(run, d->mean_a_to_b, diagonal, decimals);
+        say_distance(run, d->max_a_to_b, diagonal, decimals);
+        say_distance(run, d->mean_b_to_a, diagonal, decimals);
+        say_distance(run, d->max_b_to_a, diagonal, decimals);
         cli_say(run, "\n");
     }
 }

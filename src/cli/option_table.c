@@ -35,6 +35,7 @@
 
 #define TAKES_VOLUMES (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)
 #define MAKES_LEVELS (CLI_LOD | CLI_SIMPLIFY)
+#define REDUCES (CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | CLI_VOXELIZE)
 
 /* In the order of their numbers. */
 static const char *const method_names[] = {"edge-ratio", "coverage", "collapse", NULL};
@@ -93,7 +94,7 @@ static const cli_argument arguments[] = {
     ERRORS("--error", "A,B,C", MAKES_LEVELS, errors, CLI_MAX_LEVELS,
            "largest distance of each level to the mesh, in its unit, or with % in\npercent of its diagonal: 0.05%,0.2%"),
     CHOICE("--error-kind", "KIND", MAKES_LEVELS, error_kind, error_names, BVX_ERROR_MEAN,
-           "of --error: the mean of both ways, or the max(imum) [mean]"),
+           "of --error: the mean of both ways, or max, the largest one [mean]"),
     WHOLE("--count", "N", CLI_LOD, count, 1, CLI_MAX_LEVELS,
           "levels of 1/2, 1/4, 1/8 ... of the triangles [4, or as many as leave\n20 triangles]"),
     WHOLE("--count", "N", CLI_SIMPLIFY, count, 1, CLI_MAX_LEVELS, "levels of 1/2, 1/4, 1/8 ... of the triangles [1]"),
@@ -191,8 +192,11 @@ static const cli_argument arguments[] = {
     CHOICE("--axis", "AXIS", CLI_SLICE, up_axis, axis_names, 1, "planes lie across x, y or z [z]"),
     BETWEEN("--spacing", "S", CLI_SLICE, spacing, 0, 1e300, "from plane to plane; the first lies half of it above the low end"),
     LIST("--resolution", "N", CLI_REPAIR, resolution, 1, 16777216.0, 1, 1, "voxels along the longest axis [256]"),
-    LIST("--triangles", "N", CLI_REPAIR, triangles, 1, 4294967295.0, 1, 1,
-         "most triangles: the largest resolution is taken that keeps to them,\nup to --resolution [all]"),
+    LIST("--triangles", "N", REDUCES, triangles, 1, 4294967295.0, 1, 1,
+         "of a mesh: edges of the result collapse to so many triangles or fewer\n[all are kept]"),
+    ERRORS("--error", "E", REDUCES, errors, 1,
+           "of a mesh: edges of the result collapse until it would lie further than\nE from what it was, in its unit or with % in percent of its diagonal"),
+    CHOICE("--error-kind", "KIND", REDUCES, error_kind, error_names, BVX_ERROR_MEAN, "of --error: the mean of both ways, or max, the largest one [mean]"),
     CHOICE("--sign", "RULE", CLI_REPAIR | CLI_LOD, sign, repair_sign_names, BVX_SIGN_AUTO,
            "winding: holes and overlaps; vote: holes and flipped triangles;\nexact: nested shells are cavities; auto: vote where triangles are\nflipped, else winding [auto]"),
     CHOICE("--interpolation", "HOW", CLI_REPAIR | CLI_BOOLEAN, interpolation, edge_names, BVX_EDGE_VECTOR,
