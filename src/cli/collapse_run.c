@@ -171,17 +171,24 @@ static void warn_of_volume(cli_run *run, const char *what, double change, const 
         cli_warn(run, "%s has %.3g %% %s volume than the input%s", what, 100.0 * fabs(change), change < 0.0 ? "less" : "more", why);
 }
 
-/* What a lattice too coarse for the input does to it; pieces and volume of what is no body mean nothing. */
+/* What a lattice too coarse for the input does to it. Where the input is no body its parts may join, but not become more, and its
+ * volume means nothing. */
 static void warn_of_surface(cli_run *run, const cli_collapse_run *c)
 {
     const bvx_certificate *const in = &c->before, *const s = &c->surface;
 
-    if (cli_is_sound(in) && s->components != in->components)
-        cli_warn(run, "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64 ": parts that touch become one, what is thinner than a voxel "
-                 "breaks or goes, and a larger --resolution keeps more", s->components, s->components == 1 ? "" : "s", in->components);
-    if (in->closed && in->oriented)
-        warn_of_volume(run, "the measured surface", volume_change(s->volume, in->volume), ": parts that overlap count once in it, and what is thinner "
-                       "than a voxel may go");
+    if (s->components > in->components)
+        cli_warn(run, "the measured surface has %" PRIu64 " pieces, the input %" PRIu64 ": what is thinner than a voxel broke; a larger --resolution "
+                 "keeps it, --least-part drops crumbs", s->components, in->components);
+    else if (cli_is_sound(in) && s->components < in->components)
+        cli_warn(run, "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64 ": parts that touch became one, and what is thinner than a "
+                 "voxel may be lost", s->components, s->components == 1 ? "" : "s", in->components);
+    if (in->closed && in->oriented) {
+        double const change = volume_change(s->volume, in->volume);
+
+        warn_of_volume(run, "the measured surface", change, change < 0.0 ? ": parts that overlap count once in it, and what is thinner than a "
+                       "voxel may be lost" : ": sheets became shells, or cavities are filled");
+    }
 }
 
 static void warn_of_level(cli_run *run, const cli_collapse_run *c, int i)
