@@ -140,6 +140,7 @@ typedef struct cli_options {
     int32_t sign;               /* BVX_SIGN_... */
     int32_t interpolation;      /* BVX_EDGE_... */
     int32_t sharp, measure;
+    int32_t count_crossings;    /* info: of meshes */
     int32_t normals;            /* of vertices, in a mesh's file */
     int32_t resample;           /* boolean: grids of other lattices are sampled */
     double shell;               /* thickness in voxels */
@@ -251,6 +252,8 @@ typedef struct cli_mesh_entry {
     bvx_certificate certificate;
     const bvx_certificate *welded;        /* with vertices at equal positions joined, or NULL */
     int colours, uvs;                     /* it has them */
+    int has_crossings;                    /* they were counted */
+    uint64_t crossings;
     const bvx_lod_report *lod;            /* or NULL */
     const bvx_level_report *level;        /* or NULL */
     double milliseconds, rate;            /* milliseconds beside lod, rate beside both */

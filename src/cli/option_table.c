@@ -185,6 +185,7 @@ static const cli_argument arguments[] = {
            "the ends: flat on the first and last section; taper: each part to a\nridge half a spacing beyond, also those that end in between; open [flat]"),
     CHOICE("--crossings", "HOW", CLI_SECTIONS, crossings, crossings_names, BVX_CROSSINGS_EXACT,
            "on the sections' planes: exact, by the contours themselves; paper, by\ninterpolated distances with the contours' points put in; classic,\nmarching cubes [exact]"),
+    FLAG("--crossings", CLI_INFO, count_crossings, "also count the pairs of triangles that cross or touch beyond what they\nshare; of meshes"),
     WHOLE("--subdivide", "N", CLI_SECTIONS, subdivide, 0, 8, "halve cells that a contour crosses twice on a side, N times at most [5]"),
     WHOLE("--label", "L", CLI_SECTIONS, label, -2147483647.0, 2147483647.0, "the body, where the file holds several"),
     FILE_NAME("--block-model", "CSV", CLI_SECTIONS, block_model, "also write blocks: centre, sides and the share that is inside"),

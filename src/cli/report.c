@@ -69,6 +69,7 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
     report_certificate(t, &m->certificate);
     cli_json_truth(t, "colours", m->colours);
     cli_json_truth(t, "texture_coordinates", m->uvs);
+    if (m->has_crossings) cli_json_count(t, "crossings", m->crossings);
     if (m->lod != NULL) {
         cli_json_ints(t, "resolution", m->lod->resolution);
         cli_json_triple(t, "ratio", m->lod->ratio);

@@ -19,7 +19,7 @@
 
 #include <math.h>
 
-enum { COLLAPSE_REPORT = 1024, COLLAPSE_CURVE_BITS = 21, COLLAPSE_BATCH = 4096 };
+enum { COLLAPSE_REPORT = 1024, COLLAPSE_CURVE_BITS = 21, COLLAPSE_BATCH = 512, COLLAPSE_FAR = 3, COLLAPSE_NEAR = 65536, COLLAPSE_LATER = 2 * BVXI_QUEUE_OCTAVE };
 
 struct bvxi_collapse {
     bvx_context *ctx;
@@ -214,7 +214,7 @@ static int judge_elsewhere(bvxi_collapse *c, const quadric *q, int32_t bucket)
     return BVXI_STAR_CROSSES;
 }
 
-/* Collapse an edge where that is safe, else put it back among those that cost twice as much. */
+/* Collapse an edge where that is safe, else put it back among those that cost four times as much. */
 static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
 {
     const bvxi_corners *const m = &c->mesh;
@@ -244,7 +244,7 @@ static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
     c->counts.turned += verdict == BVXI_STAR_TURNS;
     c->counts.needle += verdict == BVXI_STAR_NEEDLE;
     c->counts.crossed += verdict == BVXI_STAR_CROSSES;
-    entry->bucket += BVXI_QUEUE_OCTAVE;
+    entry->bucket += COLLAPSE_LATER;
     if (entry->bucket < BVXI_QUEUE_FINE) bvxi_queue_put(&c->queue, entry);
 }
 
@@ -278,7 +278,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
         if (c->mesh.left <= c->packed / 2 || bvxi_queue_room(&c->queue) < BVXI_STAR_MOST) pack_collapse(c);
 
         /* Far from the target the order of space saves time, near it the order of cost decides what is seen. */
-        c->queue.batch = c->mesh.left > target + target / 2 ? COLLAPSE_BATCH : INT32_MAX;
+        c->queue.batch = c->mesh.left > COLLAPSE_FAR * target && c->mesh.left > COLLAPSE_NEAR ? COLLAPSE_BATCH : INT32_MAX;
         if (bvxi_queue_take(&c->queue, &entry)) {
             try_edge(c, &entry);
             continue;
@@ -559,6 +559,7 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->ctx = ctx;
     c->function = function;
     c->options = *options;
+    c->star.lenient = options->lenient;
     status = open_steps(c, mesh);
     if (status == BVX_OK) *collapse = c;
     else bvxi_collapse_close(c);

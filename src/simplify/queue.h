@@ -12,7 +12,7 @@
 
 enum {
     BVXI_QUEUE_OCTAVE = 64,                        /* fine buckets that a doubled cost lies further on */
-    BVXI_QUEUE_SPAN = 32,                          /* fine buckets to a coarse one */
+    BVXI_QUEUE_SPAN = 256,                         /* fine buckets to a coarse one */
     BVXI_QUEUE_FINE = 256 * BVXI_QUEUE_OCTAVE,
     BVXI_QUEUE_COARSE = BVXI_QUEUE_FINE / BVXI_QUEUE_SPAN,
     BVXI_QUEUE_HEADS = BVXI_QUEUE_COARSE + BVXI_QUEUE_SPAN,

@@ -274,6 +274,26 @@ class Mesh:
             run.check(lib.bvx_mesh_check(run.context, self._view(run), int(bool(weld)), out))
         return record(out)
 
+    def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
+        """Pairs of faces that cross: that have a common point which is neither a common vertex nor on a common edge.
+
+        Vertices at equal positions are one. Touching is crossing, and so is an overlap in one plane or a face that is there
+        twice; faces without area are left out. Exact, without a tolerance.
+
+        Returns:
+            An (n, 2) uint32 array of face indices, the lower one first, in ascending order.
+        """
+        np = arrays.numpy("Mesh.crossings")
+        count = ffi.new("uint64_t *")
+        with Run(threads, memory_limit, progress) as run:
+            view = self._view(run)
+            run.check(lib.bvx_mesh_crossings(run.context, view, count, ffi.NULL, 0))
+            pairs = np.empty((count[0], 2), np.uint32)
+            if len(pairs):
+                pointer = ffi.cast("uint32_t *", arrays.address(pairs))
+                run.check(lib.bvx_mesh_crossings(run.context, view, count, pointer, len(pairs)))
+        return pairs
+
     def normals(self, *, averaged: bool = False) -> tuple[Any, Any]:
         """Normals of length 1: (n, 3) of the vertices, facets counted by their areas, and (m, 3) of the facets; float32.
 
