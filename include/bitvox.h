@@ -2171,15 +2171,59 @@ BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64
 BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *points);
 
 /** Write a mesh. The frame is added. file is zeroed.
- *  STL and PLY: binary, little-endian; OBJ and OFF: text that reads back to the same numbers. PLY, OBJ (without alpha) and
- *  OFF keep colours, PLY and OBJ texture coordinates too; STL keeps neither. GLB (glTF 2.0, binary): f32 positions about the
- *  bounds' centre, smooth normals weighted by area, colours as linear light, texture coordinates; world axes are kept, and
- *  the nodes carry the centre and the turn from z up to glTF's y up; vertices are repeated where texture coordinates ask
- *  for it.
+ *  STL and PLY: binary, little-endian; OBJ and OFF: text that reads back to the same numbers. PLY, OBJ (without
+ *  alpha) and OFF keep colours, PLY and OBJ texture coordinates too; STL keeps neither, and has normals of triangles.
+ *  GLB (glTF 2.0, binary): f32 positions about the bounds' centre, smooth normals weighted by area, colours as linear
+ *  light, texture coordinates; world axes are kept, and the nodes carry the centre and the turn from z up to glTF's
+ *  y up; vertices are repeated where texture coordinates need it.
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds), BVX_ERR_UNSUPPORTED,
- *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes a vertex,
- *  and 84 a triangle while texture coordinates are split. */
+ *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes
+ *  a vertex, and 84 a triangle while texture coordinates are split. */
 BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file);
+
+typedef struct bvx_write_options {
+    size_t struct_size;
+    int32_t normals;  /**< 1: PLY and OBJ get normals of vertices too; GLB always has them, STL and OFF are refused
+                           [Limit: 0..1] [Default: 0] */
+    int32_t reserved;
+} bvx_write_options;
+
+BVX_API void bvx_write_options_init(bvx_write_options *options, size_t size);
+
+/** The same with all choices; NULL options write what bvx_write_mesh writes.
+ *  Normals are smooth: at each vertex the sum of its triangles' normals, each counted by its area, at length 1;
+ *  (0, 0, 1) where the sum is zero. There is one for each vertex, so sharp edges are averaged over too, as in GLB.
+ *  PLY: float nx ny nz after the coordinates; OBJ: vn, with the vertex's number. The readers here skip them.
+ *  Returns what bvx_write_mesh returns; BVX_ERR_UNSUPPORTED for normals in STL (which has those of triangles) or OFF.
+ *  Memory: normals: 24 bytes a vertex more. Cost: O(vertices + triangles). */
+BVX_API bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
+                                       int32_t format, bvx_buffer *file);
+
+/**
+ * Write levels of detail as one file.
+ *
+ * levels       [Size: level_count] the finest first; each has triangles; colours and texture coordinates are kept
+ *              where a level has them
+ * level_count  [Limit: 1..65536] 1: the bytes of bvx_write_mesh
+ * format       BVX_FORMAT_GLB; the others hold one mesh a file
+ * file         out, zeroed
+ *
+ * Each level is a node "level_0", "level_1", ... with a mesh of its own, written as bvx_write_mesh writes one, except
+ * that all levels share one centre and one matrix. Only level_0 is in the scene. glTF itself has no levels of detail,
+ * and no extension for them is in wide use: the vendor extension MSFT_lod attaches the other levels to level_0, and few
+ * readers know it. All other viewers show level_0.
+ * MSFT_screencoverage hints at the part of the screen below which a level gives way to the next: where that one has as
+ * many triangles on a pixel as level_0 has when it fills the screen. The last level stays.
+ *
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds:
+ * 2^32 - 1 bytes, f32 positions about the common centre), BVX_ERR_UNSUPPORTED (another format: write one file a level),
+ * BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED; a message about one level names it.
+ * Memory: the file; 24 bytes a vertex of all levels; of levels with uv_triangles 12 bytes a triangle and 8 a vertex as
+ * written, and 72 a triangle of one of them at a time; about 450 bytes a level. Cost: O(vertices + triangles).
+ * Source: Microsoft. MSFT_lod, a vendor extension of glTF 2.0.
+ */
+BVX_API bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                                    int32_t format, bvx_buffer *file);
 
 /**
  * Write a grid. The lattice's low corner (of the window) and spacing go where the format keeps them, by its own convention:

@@ -127,6 +127,7 @@ typedef struct cli_options {
     int32_t sign;               /* BVX_SIGN_... */
     int32_t interpolation;      /* BVX_EDGE_... */
     int32_t sharp, measure;
+    int32_t normals;            /* of vertices, in a mesh's file */
     int32_t resample;           /* boolean: grids of other lattices are sampled */
     double shell;               /* thickness in voxels */
     int64_t least_part, least_cavity;
@@ -469,7 +470,9 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
 
 /* ---- mesh_output.c ---- */
 
-/* Write the mesh as run->options.output, which is open, and keep it. */
+/* Refuse --normals for a format without. */
+int cli_check_normals(cli_run *run);
+/* Write the mesh as run->options.output, which is open, and keep it; --normals adds the normals of vertices. */
 int cli_write_mesh(cli_run *run, const bvx_mesh *mesh);
 
 /* ---- field_output.c: distances as files; voxelize --mode field ---- */

@@ -30,31 +30,24 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
         static const char *const for_voxels[3] = {"--window", "--expand", "--states"};
         if (cli_given(run, for_voxels[i])) return cli_usage(run, "%s is for grids and octrees; %s is a mesh", for_voxels[i], cli_input_name(o->input[0]));
     }
-    return cli_window_option(run, &t->window);
+    if (*kind != CLI_MESH && o->normals)
+        return cli_usage(run, "--normals is for meshes; %s holds voxels", cli_input_name(o->input[0]));
+    status = cli_check_normals(run);
+    return status == CLI_DONE ? cli_window_option(run, &t->window) : status;
 }
 
 static int convert_mesh(cli_run *run)
 {
     const char *const out = run->options.output;
-    int32_t const format = bvx_format_of_name(out);
-    bvx_buffer file = {0};
     bvx_mesh mesh = {0};
-    bvx_status status;
     int result = cli_open_output(run, out);
     if (result == CLI_DONE) result = cli_read_mesh(run, run->options.input[0], &mesh);
-    if (result == CLI_DONE) {
-        cli_stage_begin(run, "write");
-        status = bvx_write_mesh(run->context, &mesh, format, &file);
-        result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, out);
-        if (result == CLI_DONE) result = cli_keep_outputs(run);
-        cli_stage_end(run);
-    }
+    if (result == CLI_DONE) result = cli_write_mesh(run, &mesh);
     if (result == CLI_DONE) {
         cli_warn_of_lost(run, out, &mesh);
         cli_say(run, "%s -> %s\n  triangles   %" PRIu64 " of %" PRIu64 " vertices\n", cli_input_name(run->options.input[0]), out,
                 mesh.triangle_count, mesh.vertex_count);
     }
-    bvx_buffer_free(run->context, &file);
     bvx_mesh_free(run->context, &mesh);
     return result;
 }

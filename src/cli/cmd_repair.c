@@ -93,7 +93,7 @@ static int check_repair_options(cli_run *run)
     if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH || cli_is_packed(out))
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", out);
     if (run->options.triangles.count > 1) return cli_usage(run, "--triangles: one number is wanted");
-    return CLI_DONE;
+    return cli_check_normals(run);
 }
 
 static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired, bvx_repair_report *report)

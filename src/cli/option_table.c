@@ -175,6 +175,9 @@ static const cli_argument arguments[] = {
     LONG("--least-part", "N", CLI_REPAIR, least_part, 0, 1e15, "parts of fewer voxels are dropped [0]"),
     LONG("--least-cavity", "N", CLI_REPAIR, least_cavity, 0, 1e15, "cavities of fewer voxels are filled [0]"),
     FLAG("--measure", CLI_REPAIR, measure, "tell distances between input and result, and overlaps"),
+    FLAG("--normals", CLI_CONVERT | CLI_REPAIR, normals,
+         "of a mesh: also write smooth normals of its vertices to .ply and .obj,\n"
+         "averaged by area over sharp edges too; .glb always has them"),
     FLAG("--carry", CLI_REPAIR, carry, "give the result the colours and texture coordinates of the nearest\npoints on the input"),
     FLAG("--carry", CLI_LOD, carry, "give each level the colours and texture coordinates of the nearest\npoints on the mesh"),
     LONG("--samples", "N", CLI_LOD | CLI_COMPARE, samples, 0, 2147483647, "points on each mesh for the distances, 0: none [20000]"),

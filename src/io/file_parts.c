@@ -11,7 +11,6 @@ enum { FILE_PIECES = 256, FILE_PIECE_BYTES = 65536 };
 
 typedef struct file_job {
     const bvxi_file_part *part;
-    const void *user;
     uint8_t *bytes; /* behind the head */
     uint64_t things;
     int32_t parts, pieces;
@@ -41,7 +40,7 @@ static void make_file_piece(void *user, int32_t index, int32_t worker)
     for (int32_t i = 0; i < job->parts; i++) {
         uint64_t const last = first + job->part[i].count;
         uint64_t const from = begin > first ? begin : first, to = end < last ? end : last;
-        if (from < to) at = job->part[i].put(job->user, from - first, to - first, at);
+        if (from < to) at = job->part[i].put(job->part[i].user, from - first, to - first, at);
         first = last;
     }
     job->made[index] = (uint64_t)(at - start);
@@ -61,14 +60,13 @@ static uint64_t close_file_gaps(const file_job *job)
 }
 
 bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head, const bvxi_file_part *part,
-                          int32_t parts, const void *user, bvx_buffer *file)
+                          int32_t parts, bvx_buffer *file)
 {
     file_job job = {0};
     bvx_status status;
     uint64_t most;
     job.part = part;
     job.parts = parts;
-    job.user = user;
     for (int32_t i = 0; i < parts; i++) job.things += part[i].count;
     most = file_place(&job, job.things);
     job.pieces = bvxi_piece_count(most, FILE_PIECE_BYTES);

@@ -9,13 +9,14 @@ typedef struct bvxi_file_part {
     uint64_t count; /* below 2^33 */
     uint64_t most;  /* bytes that one of them takes at most, below 2^20 */
     uint8_t *(*put)(const void *user, uint64_t begin, uint64_t end, uint8_t *at);
+    const void *user;
 } bvxi_file_part;
 
 /* Make a file of head bytes, which the caller fills when this has succeeded, and of parts one behind the other. The file's
  * capacity is what it would take at most. Its share of the progress is from .. 1.
  * BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED: nothing is left then. */
 bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head, const bvxi_file_part *part,
-                          int32_t parts, const void *user, bvx_buffer *file);
+                          int32_t parts, bvx_buffer *file);
 
 /* ---- text ---- */
 

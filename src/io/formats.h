@@ -123,11 +123,28 @@ static inline const char *bvxi_skip_mark(const char *p, const char *end)
 
 /* ---- writers: arguments are checked, positions with frame and uvs are finite, indices are in range ---- */
 
+/* What is written of one mesh; normal: the sums of bvxi_sum_normals, or NULL for a file without normals. */
+typedef struct bvxi_written {
+    const bvx_mesh *mesh;
+    const double *normal;
+} bvxi_written;
+
 bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
-bvx_status bvxi_write_obj(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
-bvx_status bvxi_write_ply(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
+bvx_status bvxi_write_obj(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
+bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
 bvx_status bvxi_write_off(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
-bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
+/* The meshes as levels of detail of one file, the finest first. */
+bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, bvx_buffer *file);
+
+/* Sums of bvxi_add_normals as scratch: BVXI_NORMAL_SUM bytes a vertex, freed by the caller. */
+enum { BVXI_NORMAL_SUM = 24 };
+#define BVXI_NORMALS_SHARE 0.3 /* the part of a file's work that is done when its writer has them */
+bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double scale, double **sum);
+
+/* "GLB: level 3": how messages about one of several levels begin.
+ * before: below 40 bytes; text [Size: BVXI_LEVEL_NAME] */
+enum { BVXI_LEVEL_NAME = 80 };
+void bvxi_level_name(const char *before, uint64_t level, char *text);
 
 /* The least double that rounds to an infinite float: (2 - 2^-24) * 2^127. */
 #define BVXI_FLOAT_LIMIT 3.4028235677973366e38

@@ -18,25 +18,37 @@ void bvxi_free_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams);
 
 enum { BVXI_GLB_POSITION, BVXI_GLB_NORMAL, BVXI_GLB_COLOUR, BVXI_GLB_UV, BVXI_GLB_INDEX, BVXI_GLB_ARRAYS };
 
-/* What a file holds and where. */
+/* One mesh of a file and where its arrays lie. */
 typedef struct bvxi_glb {
     const bvx_mesh *mesh;
-    const double *normal;            /* sums of bvxi_add_normals */
+    double *normal;                  /* sums of bvxi_add_normals */
     bvxi_seams seams;                /* zero: vertices are those of the mesh */
-    double centre[3];                /* of the bounds in the world: positions are relative to it */
+    double centre[3];                /* of the bounds of all levels in the world: positions are relative to it */
     float low[3], high[3];           /* of the positions */
     uint64_t vertices;               /* as written */
     uint64_t count[BVXI_GLB_ARRAYS]; /* elements of each array, 0 where the mesh has none */
     uint64_t size[BVXI_GLB_ARRAYS];  /* bytes of an element */
     uint64_t at[BVXI_GLB_ARRAYS];    /* place in the binary chunk */
-    uint64_t binary;                 /* bytes of all arrays */
+    uint64_t end;                    /* of the last array */
 } bvxi_glb;
 
-/* Fill count, size, at and binary from mesh and vertices. */
-void bvxi_glb_layout(bvxi_glb *glb);
+/* What a file holds: levels of detail, the finest first; a mesh alone is the case of one. */
+typedef struct bvxi_glb_file {
+    bvxi_glb *level;
+    uint64_t levels;
+} bvxi_glb_file;
+
+/* Chunks and levels begin at multiples of four bytes. */
+static inline uint64_t bvxi_glb_padded(uint64_t size)
+{
+    return (size + 3) / 4 * 4;
+}
+
+/* Fill count, size, at and end from mesh and vertices; the arrays begin at a place of the binary chunk. */
+void bvxi_glb_layout(bvxi_glb *glb, uint64_t begin);
 /* BVX_ERR_RANGE when a file of that many bytes would be larger than the format allows. */
-bvx_status bvxi_glb_check_size(bvx_context *ctx, uint64_t size);
+bvx_status bvxi_glb_check_size(bvx_context *ctx, uint64_t size, uint64_t levels);
 /* The description of the file, without padding. */
-void bvxi_glb_put_json(const bvxi_glb *glb, bvxi_output *out);
+void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out);
 
 #endif

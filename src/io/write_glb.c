@@ -1,10 +1,11 @@
-/* write_glb.c - a mesh to binary glTF 2.0.
+/* write_glb.c - a mesh to binary glTF 2.0, or several levels of detail to one such file.
  *
  * Source: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022).
- * Positions are floats relative to the centre of the bounds, which a node carries as doubles: so a mesh far from the origin
- * keeps its shape. World axes are kept; a node above turns z up into y up (glb_json.c). Normals are smooth, over seams of
- * the texture too. Colours become linear light with 16 bits; the texture's v runs down in glTF, so it is turned over.
- * Indices have 16 bits where they suffice: half the size, and all that older graphics interfaces draw. */
+ * Positions are floats relative to the centre of the bounds, which a node carries as doubles: so a mesh far from the
+ * origin keeps its shape. Levels share one centre, since some readers swap meshes below one node; the arrays of a level
+ * follow those of the one before it. World axes are kept; a node turns z up into y up (glb_json.c). Normals are smooth,
+ * over seams of the texture too. Colours become linear light with 16 bits; the texture's v runs down in glTF, so it is
+ * turned over. Indices have 16 bits where they suffice: half the size, and all that older graphics interfaces draw. */
 #include "io/file_parts.h"
 #include "io/glb.h"
 #include "io/glb_colours.h"
@@ -13,6 +14,7 @@
 
 #define GLB_PREPARED 0.5 /* share of the work before the first byte is written */
 
+enum { GLB_PARTS = BVXI_GLB_ARRAYS + 1 }; /* of a level: its arrays and the padding after them */
 enum { GLB_HEAD = 20, GLB_CHUNK = 8 }; /* the file's head with that of its first chunk; the head of the second */
 
 /* ---- what is written ---- */
@@ -91,49 +93,75 @@ static uint8_t *glb_put_padding(const void *user, uint64_t begin, uint64_t end, 
 
 /* ---- the file ---- */
 
-static uint64_t glb_padded(uint64_t size)
+static uint64_t glb_binary(const bvxi_glb_file *glb)
 {
-    return (size + 3) / 4 * 4;
+    return bvxi_glb_padded(glb->level[glb->levels - 1].end);
 }
 
-static void glb_put_head(const bvxi_glb *glb, uint64_t json, bvx_buffer *file)
+static void glb_put_head(const bvxi_glb_file *glb, uint64_t json, bvx_buffer *file)
 {
     uint8_t *const p = file->bytes;
     bvxi_output out = {0};
-    uint64_t const padded = glb_padded(json);
+    uint64_t const padded = bvxi_glb_padded(json);
+
     memcpy(p, "glTF", 4);
     bvxi_store_u32(p + 4, 2);
     bvxi_store_u32(p + 8, (uint32_t)file->size);
     bvxi_store_u32(p + 12, (uint32_t)padded);
     memcpy(p + 16, "JSON", 4);
+
     out.bytes = p + GLB_HEAD;
     bvxi_glb_put_json(glb, &out);
     memset(p + GLB_HEAD + json, ' ', (size_t)(padded - json));
-    bvxi_store_u32(p + GLB_HEAD + padded, (uint32_t)glb_padded(glb->binary));
+
+    bvxi_store_u32(p + GLB_HEAD + padded, (uint32_t)glb_binary(glb));
     memcpy(p + GLB_HEAD + padded + 4, "BIN", 4); /* with its zero */
 }
 
-static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb *glb, bvx_buffer *file)
+/* part [Size: levels * GLB_PARTS] */
+static void glb_list_parts(const bvxi_glb_file *glb, bvxi_file_part *part)
 {
-    bvxi_file_part part[BVXI_GLB_ARRAYS + 1] = {{0, 0, glb_put_positions}, {0, 0, glb_put_normals}, {0, 0, glb_put_colours},
-                                                {0, 0, glb_put_uvs}, {0, 0, glb_put_indices}, {0, 1, glb_put_padding}};
-    bvxi_output json = {0};
-    uint64_t head;
-    bvxi_glb_put_json(glb, &json);
-    head = GLB_HEAD + glb_padded(json.size) + GLB_CHUNK;
-    BVXI_TRY(bvxi_glb_check_size(ctx, head + glb_padded(glb->binary)));
-    for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
-        part[i].count = glb->count[i];
-        part[i].most = glb->size[i];
+    static const bvxi_file_part parts[GLB_PARTS] = {
+        {.put = glb_put_positions}, {.put = glb_put_normals}, {.put = glb_put_colours},
+        {.put = glb_put_uvs}, {.put = glb_put_indices}, {.put = glb_put_padding}};
+
+    for (uint64_t l = 0; l < glb->levels; l++, part += GLB_PARTS) {
+        const bvxi_glb *const level = &glb->level[l];
+        memcpy(part, parts, sizeof parts);
+        for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
+            part[i].count = level->count[i];
+            part[i].most = level->size[i];
+            part[i].user = level;
+        }
+        part[BVXI_GLB_ARRAYS].count = bvxi_glb_padded(level->end) - level->end;
+        part[BVXI_GLB_ARRAYS].most = 1;
     }
-    part[BVXI_GLB_ARRAYS].count = glb_padded(glb->binary) - glb->binary;
-    BVXI_TRY(bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, BVXI_GLB_ARRAYS + 1, glb, file));
-    glb_put_head(glb, json.size, file);
-    return BVX_OK;
 }
 
+static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_buffer *file)
+{
+    uint64_t const parts = glb->levels * GLB_PARTS;
+    bvxi_output json = {0};
+    bvxi_file_part *part;
+    uint64_t head;
+    bvx_status status;
+
+    bvxi_glb_put_json(glb, &json);
+    head = GLB_HEAD + bvxi_glb_padded(json.size) + GLB_CHUNK;
+    BVXI_TRY(bvxi_glb_check_size(ctx, head + glb_binary(glb), glb->levels));
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, parts * sizeof *part, "the list of arrays", &part));
+    glb_list_parts(glb, part);
+    status = bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, (int32_t)parts, file);
+    bvxi_free(ctx, part, parts * sizeof *part);
+    if (status == BVX_OK) glb_put_head(glb, json.size, file);
+    return status;
+}
+
+/* ---- what is known before the first byte ---- */
+
 /* Bounds of the positions as they are written; all must be floats. */
-static bvx_status glb_find_bounds(bvx_context *ctx, bvxi_glb *glb)
+static bvx_status glb_find_bounds(bvx_context *ctx, const char *name, bvxi_glb *glb)
 {
     double p[3];
     for (uint64_t v = 0; v < glb->vertices; v++) {
@@ -141,8 +169,9 @@ static bvx_status glb_find_bounds(bvx_context *ctx, bvxi_glb *glb)
         for (int a = 0; a < 3; a++) {
             float const f = (float)p[a];
             if (!(p[a] < BVXI_FLOAT_LIMIT && p[a] > -BVXI_FLOAT_LIMIT))
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "GLB: vertex %u is %g from the middle of the mesh, too far for the "
-                                 "format's 32-bit floats; take PLY or OBJ", (uint64_t)glb_source(glb, v), p[a]);
+                return bvxi_fail(ctx, BVX_ERR_RANGE,
+                                 "%s: vertex %u is %g from the middle of the mesh, too far for the format's 32-bit "
+                                 "floats; take PLY or OBJ", name, (uint64_t)glb_source(glb, v), p[a]);
             if (v == 0 || f < glb->low[a]) glb->low[a] = f;
             if (v == 0 || f > glb->high[a]) glb->high[a] = f;
         }
@@ -150,38 +179,70 @@ static bvx_status glb_find_bounds(bvx_context *ctx, bvxi_glb *glb)
     return BVX_OK;
 }
 
-static bvx_status glb_write_with_normals(bvx_context *ctx, bvxi_glb *glb, const bvx_mesh_view *view, bvx_buffer *file)
+/* The middle of the bounds of all levels, for each of them. */
+static bvx_status glb_find_centre(bvx_context *ctx, const bvxi_glb_file *glb)
 {
-    uint64_t const bytes = glb->mesh->vertex_count * 3 * sizeof(double);
-    double *sum;
-    bvx_status status;
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the normals", &sum));
-    bvxi_add_normals(view, 1.0, sum);
-    glb->normal = sum;
-    status = glb_make_file(ctx, glb, file);
-    bvxi_free(ctx, sum, bytes);
-    return status;
+    double low[3], high[3], centre[3];
+    double world_low[3] = {0.0, 0.0, 0.0}, world_high[3] = {0.0, 0.0, 0.0};
+
+    for (uint64_t l = 0; l < glb->levels; l++) {
+        const bvx_mesh *const mesh = glb->level[l].mesh;
+        bvx_mesh_view view;
+        bvx_mesh_view_of(mesh, &view);
+        BVXI_TRY(bvxi_view_bounds(ctx, "GLB", &view, low, high));
+        for (int a = 0; a < 3; a++) {
+            double const from = low[a] + mesh->frame[a], to = high[a] + mesh->frame[a];
+            if (l == 0 || from < world_low[a]) world_low[a] = from;
+            if (l == 0 || to > world_high[a]) world_high[a] = to;
+        }
+    }
+
+    for (int a = 0; a < 3; a++) centre[a] = world_low[a] * 0.5 + world_high[a] * 0.5;
+    for (uint64_t l = 0; l < glb->levels; l++) memcpy(glb->level[l].centre, centre, sizeof centre);
+    return BVX_OK;
 }
 
-bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file)
+static bvx_status glb_plan_level(bvx_context *ctx, const bvxi_glb_file *glb, uint64_t l)
 {
-    bvxi_glb glb = {0};
+    bvxi_glb *const level = &glb->level[l];
+    const bvx_mesh *const mesh = level->mesh;
+    uint64_t const begin = l > 0 ? bvxi_glb_padded(level[-1].end) : 0;
+    char name[BVXI_LEVEL_NAME] = "GLB";
     bvx_mesh_view view;
-    double low[3], high[3];
-    bvx_status status;
-    glb.mesh = mesh;
-    BVXI_TRY(bvxi_glb_check_size(ctx, mesh->triangle_count * 6)); /* also keeps the corners below 2^32 */
-    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
+
+    if (glb->levels > 1) bvxi_level_name("GLB", l, name);
+
+    /* Also keeps the corners below 2^32, as splitting needs it. */
+    BVXI_TRY(bvxi_glb_check_size(ctx, begin + mesh->triangle_count * 6, glb->levels));
+    if (mesh->uv_triangles != NULL) BVXI_TRY(bvxi_split_seams(ctx, mesh, &level->seams));
+    level->vertices = mesh->uv_triangles != NULL ? level->seams.count : mesh->vertex_count;
+    bvxi_glb_layout(level, begin);
+    BVXI_TRY(bvxi_glb_check_size(ctx, level->end, glb->levels));
+
+    BVXI_TRY(bvxi_progress(ctx, "write", ((double)l + 0.6) / (double)glb->levels * GLB_PREPARED));
+    BVXI_TRY(glb_find_bounds(ctx, name, level));
     bvx_mesh_view_of(mesh, &view);
-    BVXI_TRY(bvxi_view_bounds(ctx, "GLB", &view, low, high));
-    for (int a = 0; a < 3; a++) glb.centre[a] = (low[a] + mesh->frame[a]) * 0.5 + (high[a] + mesh->frame[a]) * 0.5;
-    if (mesh->uv_triangles != NULL) BVXI_TRY(bvxi_split_seams(ctx, mesh, &glb.seams));
-    glb.vertices = mesh->uv_triangles != NULL ? glb.seams.count : mesh->vertex_count;
-    bvxi_glb_layout(&glb);
-    status = bvxi_glb_check_size(ctx, glb.binary);
-    if (status == BVX_OK) status = bvxi_progress(ctx, "write", 0.6 * GLB_PREPARED);
-    if (status == BVX_OK) status = glb_find_bounds(ctx, &glb);
-    if (status == BVX_OK) status = glb_write_with_normals(ctx, &glb, &view, file);
-    bvxi_free_seams(ctx, mesh, &glb.seams);
+    return bvxi_sum_normals(ctx, &view, 1.0, &level->normal);
+}
+
+bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, bvx_buffer *file)
+{
+    bvxi_glb_file glb = {NULL, level_count};
+    uint64_t const bytes = level_count * sizeof *glb.level;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the list of levels", &glb.level));
+    for (uint64_t l = 0; l < level_count; l++) glb.level[l].mesh = &levels[l];
+
+    status = glb_find_centre(ctx, &glb);
+    for (uint64_t l = 0; l < level_count && status == BVX_OK; l++) status = glb_plan_level(ctx, &glb, l);
+    if (status == BVX_OK) status = glb_make_file(ctx, &glb, file);
+
+    for (uint64_t l = level_count; l-- > 0;) {
+        bvxi_free(ctx, glb.level[l].normal, levels[l].vertex_count * BVXI_NORMAL_SUM);
+        bvxi_free_seams(ctx, &levels[l], &glb.level[l].seams);
+    }
+    bvxi_free(ctx, glb.level, bytes);
     return status;
 }

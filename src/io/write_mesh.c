@@ -1,7 +1,11 @@
-/* write_mesh.c - a mesh to the bytes of a file: the checks around the writers, and what they share. */
+/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: checks around the writers, what they share. */
 #include "io/formats.h"
 #include "mesh/mesh.h"
+#include "mesh/normals.h"
+#include "mesh/scale.h"
 #include "mesh/view.h"
+
+enum { WRITTEN_LEVELS = 65536 }; /* more is an error of the caller's */
 
 bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, bvx_buffer *file)
 {
@@ -66,28 +70,158 @@ static bvx_status check_written_mesh(bvx_context *ctx, const char *function, con
     return check_written_uvs(ctx, function, mesh);
 }
 
-bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
+/* ---- normals ---- */
+
+bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double scale, double **sum)
 {
-    static const char *const function = "bvx_write_mesh";
-    bvx_status (*write)(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
-    bvx_buffer made = {0};
-    if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
-    if (file == NULL) return bvxi_fail_null(context, function, "file");
-    if (file->bytes != NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->vertex_count * BVXI_NORMAL_SUM, "the normals", sum));
+    bvxi_add_normals(view, scale, *sum);
+    return BVX_OK;
+}
+
+typedef bvx_status normals_writer(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
+
+static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, normals_writer *write, bvx_buffer *file)
+{
+    bvx_mesh_view view;
+    double low[3], high[3], *sum;
+    bvxi_written what = {mesh, NULL};
+    bvx_status status;
+
+    /* Text and doubles hold coordinates whose products leave the range of doubles. */
+    bvx_mesh_view_of(mesh, &view);
+    BVXI_TRY(bvxi_view_bounds(ctx, "bvx_write_mesh_with", &view, low, high));
+    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
+    BVXI_TRY(bvxi_sum_normals(ctx, &view, bvxi_unit_scale(low, high), &sum));
+
+    what.normal = sum;
+    status = write(ctx, &what, file);
+    bvxi_free(ctx, sum, mesh->vertex_count * BVXI_NORMAL_SUM);
+    return status;
+}
+
+/* ---- one mesh ---- */
+
+static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int32_t format, int32_t normals)
+{
     switch (format) {
-    case BVX_FORMAT_STL: write = bvxi_write_stl; break;
-    case BVX_FORMAT_OBJ: write = bvxi_write_obj; break;
-    case BVX_FORMAT_PLY: write = bvxi_write_ply; break;
-    case BVX_FORMAT_OFF: write = bvxi_write_off; break;
-    case BVX_FORMAT_GLB: write = bvxi_write_glb; break;
+    case BVX_FORMAT_OBJ:
+    case BVX_FORMAT_PLY:
+    case BVX_FORMAT_GLB: return BVX_OK;
+    case BVX_FORMAT_STL:
+    case BVX_FORMAT_OFF:
+        if (!normals) return BVX_OK;
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: %s; take PLY, OBJ or GLB", function,
+                         format == BVX_FORMAT_STL ? "STL holds normals of triangles only, and always has them"
+                                                  : "OFF is written without normals");
     default:
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no mesh; take STL, OBJ, PLY, OFF or GLB",
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: format %d holds no mesh; take STL, OBJ, PLY, OFF or GLB",
                          function, (int64_t)format);
     }
-    BVXI_TRY(check_written_mesh(context, function, mesh));
-    BVXI_TRY(write(context, mesh, &made));
+}
+
+/* The format is one of those that hold a mesh. GLB always has normals. */
+static bvx_status write_format(bvx_context *ctx, const bvx_mesh *mesh, int32_t format, int32_t normals,
+                               bvx_buffer *file)
+{
+    normals_writer *const write = format == BVX_FORMAT_OBJ ? bvxi_write_obj : bvxi_write_ply;
+    bvxi_written const plain = {mesh, NULL};
+
+    switch (format) {
+    case BVX_FORMAT_STL: return bvxi_write_stl(ctx, mesh, file);
+    case BVX_FORMAT_OFF: return bvxi_write_off(ctx, mesh, file);
+    case BVX_FORMAT_GLB: return bvxi_write_glb(ctx, mesh, 1, file);
+    default: return normals ? write_with_normals(ctx, mesh, write, file) : write(ctx, &plain, file);
+    }
+}
+
+static bvx_status check_empty_buffer(bvx_context *ctx, const char *function, const bvx_buffer *file)
+{
+    if (file == NULL) return bvxi_fail_null(ctx, function, "file");
+    if (file->bytes != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
+    return BVX_OK;
+}
+
+static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh,
+                             const bvx_write_options *o, int32_t format, bvx_buffer *file)
+{
+    bvx_buffer made = {0};
+
+    if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
+    BVXI_TRY(check_empty_buffer(ctx, function, file));
+    BVXI_TRY(check_mesh_format(ctx, function, format, o->normals));
+    BVXI_TRY(check_written_mesh(ctx, function, mesh));
+    BVXI_TRY(write_format(ctx, mesh, format, o->normals, &made));
+    *file = made;
+    return BVX_OK;
+}
+
+bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
+{
+    bvx_write_options const defaults = {.struct_size = sizeof defaults};
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    return write_mesh(context, "bvx_write_mesh", mesh, &defaults, format, file);
+}
+
+void bvx_write_options_init(bvx_write_options *options, size_t size)
+{
+    static const bvx_write_options defaults = {.struct_size = 0};
+    bvxi_give_options(options, size, &defaults, sizeof defaults);
+}
+
+bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
+                               int32_t format, bvx_buffer *file)
+{
+    static const char *const function = "bvx_write_mesh_with";
+    bvx_write_options o = {.struct_size = sizeof o};
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
+    if (o.normals != 0 && o.normals != 1)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.normals is %d, not 0 or 1", function,
+                         (int64_t)o.normals);
+    if (o.reserved != 0)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
+    return write_mesh(context, function, mesh, &o, format, file);
+}
+
+/* ---- levels of detail ---- */
+
+void bvxi_level_name(const char *before, uint64_t level, char *text)
+{
+    bvxi_output out = {0};
+    out.bytes = (uint8_t *)text;
+    bvxi_output_text(&out, before);
+    bvxi_output_text(&out, ": level ");
+    bvxi_output_number(&out, level);
+    bvxi_output_add(&out, "", 1);
+}
+
+bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                            bvx_buffer *file)
+{
+    static const char *const function = "bvx_write_levels";
+    bvx_buffer made = {0};
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (levels == NULL) return bvxi_fail_null(context, function, "levels");
+    BVXI_TRY(check_empty_buffer(context, function, file));
+    if (level_count == 0 || level_count > WRITTEN_LEVELS)
+        return bvxi_fail(context, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
+                         "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
+                         (uint64_t)WRITTEN_LEVELS);
+    if (format != BVX_FORMAT_GLB)
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
+                         "%s: format %d does not hold levels; write one file a level, or take GLB", function,
+                         (int64_t)format);
+
+    for (uint64_t l = 0; l < level_count; l++) {
+        char name[BVXI_LEVEL_NAME];
+        bvxi_level_name(function, l, name);
+        BVXI_TRY(check_written_mesh(context, name, &levels[l]));
+    }
+    BVXI_TRY(bvxi_write_glb(context, levels, level_count, &made));
     *file = made;
     return BVX_OK;
 }

@@ -46,14 +46,14 @@ static void off_put_head(const bvx_mesh *mesh, bvxi_output *out)
 bvx_status bvxi_write_off(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file)
 {
     uint64_t const number = bvxi_writes_f32(mesh) ? BVXI_FLOAT_MOST : BVXI_DOUBLE_MOST;
-    bvxi_file_part part[2] = {{0, 0, off_put_vertices}, {0, 0, off_put_faces}};
+    bvxi_file_part part[2] = {{.put = off_put_vertices, .user = mesh}, {.put = off_put_faces, .user = mesh}};
     bvxi_output head = {0};
     off_put_head(mesh, &head);
     part[0].count = mesh->vertex_count;
     part[0].most = 3 * (number + 1) + (mesh->colours != NULL ? 4 * 4 : 0);
     part[1].count = mesh->triangle_count;
     part[1].most = 2 + 3 * (1 + bvxi_digits(mesh->vertex_count - 1));
-    BVXI_TRY(bvxi_make_file(ctx, "the OFF file", 0.0, head.size, part, 2, mesh, file));
+    BVXI_TRY(bvxi_make_file(ctx, "the OFF file", 0.0, head.size, part, 2, file));
     head.bytes = file->bytes;
     head.size = 0;
     off_put_head(mesh, &head);

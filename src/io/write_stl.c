@@ -67,10 +67,10 @@ static uint8_t *stl_put_triangles(const void *user, uint64_t begin, uint64_t end
 bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file)
 {
     static const char title[] = "binary STL written by bitvox";
-    bvxi_file_part part = {0, STL_WRITTEN_TRIANGLE, stl_put_triangles};
-    part.count = mesh->triangle_count;
+    bvxi_file_part const part = {
+        .count = mesh->triangle_count, .most = STL_WRITTEN_TRIANGLE, .put = stl_put_triangles, .user = mesh};
     BVXI_TRY(stl_check_floats(ctx, mesh));
-    BVXI_TRY(bvxi_make_file(ctx, "the STL file", 0.0, STL_WRITTEN_HEADER + 4, &part, 1, mesh, file));
+    BVXI_TRY(bvxi_make_file(ctx, "the STL file", 0.0, STL_WRITTEN_HEADER + 4, &part, 1, file));
     memset(file->bytes, 0, STL_WRITTEN_HEADER);
     memcpy(file->bytes, title, sizeof title - 1);
     bvxi_store_u32(file->bytes + STL_WRITTEN_HEADER, (uint32_t)mesh->triangle_count);

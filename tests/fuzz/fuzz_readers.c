@@ -61,6 +61,37 @@ static void fuzz_check_writing(bvx_context *ctx, const bvx_mesh *m)
     bvx_buffer_free(ctx, &b);
 }
 
+/* Normals are no other mesh, and a mesh and a piece of it are levels of one file: the same bytes each time, and all of it there. */
+static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
+{
+    bvx_mesh levels[2] = {*m, *m};
+    bvx_write_options o;
+    bvx_buffer b = {0}, twin = {0};
+    bvx_mesh back = {0};
+    bvx_status status;
+    levels[1].triangle_count = (m->triangle_count + 1) / 2;
+    if (m->vertex_count > 10000 || m->triangle_count > 10000) return;
+    bvx_write_options_init(&o, sizeof o);
+    o.normals = 1;
+    fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_PLY, &b) == BVX_OK, "normals that cannot be written");
+    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_PLY, &back) == BVX_OK, "a mesh with normals that cannot be read");
+    fuzz_require(back.vertex_count == m->vertex_count && back.triangle_count == m->triangle_count &&
+                     memcmp(back.triangles, m->triangles, (size_t)m->triangle_count * 12) == 0,
+                 "a mesh that changed by normals");
+    bvx_mesh_free(ctx, &back);
+    bvx_buffer_free(ctx, &b);
+
+    status = bvx_write_levels(ctx, levels, 2, BVX_FORMAT_GLB, &b);
+    fuzz_require(status == BVX_OK || status == BVX_ERR_RANGE, "levels that cannot be written");
+    if (status != BVX_OK) return; /* wider than floats reach */
+    fuzz_require(bvx_write_levels(ctx, levels, 2, BVX_FORMAT_GLB, &twin) == BVX_OK && twin.size == b.size &&
+                     memcmp(twin.bytes, b.bytes, (size_t)b.size) == 0,
+                 "levels that changed from call to call");
+    fuzz_require(b.size % 4 == 0 && b.size > m->triangle_count * 12, "a file of levels that is too small");
+    bvx_buffer_free(ctx, &b);
+    bvx_buffer_free(ctx, &twin);
+}
+
 static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int format)
 {
     static const bvx_mesh empty = {0};
@@ -74,6 +105,7 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
         fuzz_check_mesh(&m);
         fuzz_check_attributes(&m);
         if (!is_points) fuzz_check_writing(ctx, &m);
+        if (!is_points) fuzz_check_more_writing(ctx, &m);
     } else {
         fuzz_require(memcmp(&m, &empty, sizeof m) == 0, "a result behind an error");
     }

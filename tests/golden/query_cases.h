@@ -259,6 +259,23 @@ static void mesh_files(golden *g, bvx_mesh *mesh)
     golden_end(g);
 }
 
+/* Normals in the formats that hold them, and levels of detail in one file. */
+static void mesh_files_with(golden *g, const bvx_mesh *mesh, const bvx_mesh *finer)
+{
+    bvx_mesh levels[2];
+    bvx_write_options o;
+    bvx_buffer file = {0};
+    golden_begin(g, "meshes_with");
+    bvx_write_options_init(&o, sizeof o);
+    o.normals = 1;
+    file_value(g, "obj_normals", bvx_write_mesh_with(g->context, mesh, &o, BVX_FORMAT_OBJ, &file), &file);
+    file_value(g, "ply_normals", bvx_write_mesh_with(g->context, mesh, &o, BVX_FORMAT_PLY, &file), &file);
+    levels[0] = *finer;
+    levels[1] = *mesh;
+    file_value(g, "levels", bvx_write_levels(g->context, levels, 2, BVX_FORMAT_GLB, &file), &file);
+    golden_end(g);
+}
+
 /* Colours by position on one mesh, carried to another. */
 static void carried(golden *g, bvx_mesh *source, bvx_mesh *target)
 {
@@ -327,6 +344,7 @@ static void file_cases(golden *g)
         }
         golden_end(g);
         mesh_files(g, &merged);
+        mesh_files_with(g, &merged, &parts[0]);
         carried(g, &parts[0], &merged);
     }
     bvx_mesh_free(g->context, &merged);

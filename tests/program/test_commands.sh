@@ -170,6 +170,19 @@ holds 'text and binary keep every bit' cmp back.off knot.off
 works 'convert to glb' convert "$knot" -o knot.glb
 holds 'a glb is one' sh -c 'test "$(head -c 4 knot.glb)" = glTF'
 refuses 1 'written, not read' info knot.glb
+for format in ply obj; do
+    works "convert --normals to $format" convert "$knot" -o with_normals.$format --normals
+    works "normals are left out again from $format" convert with_normals.$format -o without.$format
+    holds "the $format is the one without" cmp without.$format knot.$format
+done
+holds 'ply has normals' sh -c 'head -n 12 with_normals.ply | grep -a -q "property float nz"'
+holds 'obj has one a vertex' test "$(grep -c '^vn ' with_normals.obj)" = "$(grep -c '^v ' with_normals.obj)"
+works 'glb has them always' convert "$knot" -o with_normals.glb --normals
+holds 'so it is the same' cmp with_normals.glb knot.glb
+refuses 2 'has the normals of triangles only' convert "$knot" -o x.stl --normals
+refuses 2 'no normals are written' convert "$knot" -o x.off --normals
+refuses 2 'is for meshes' convert knot.npy -o x.bvx --normals
+rm -f with_normals.* without.*
 works 'colours go to ply' convert red_blue.obj -o rb.ply
 works 'and to off' convert rb.ply -o rb.off
 works 'and to obj' convert rb.off -o rb.obj

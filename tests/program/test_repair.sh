@@ -51,6 +51,11 @@ for n in 1 3; do "$program" repair holes.obj -o t$n.ply --resolution 64 --thread
 cmp -s t1.ply t3.ply
 result 'threads do not show' $?
 
+run repair holes.obj -o result.obj --resolution 48 --normals
+test $status = 0 && test "$(grep -c '^vn ' result.obj)" = "$(grep -c '^v ' result.obj)"
+result 'normals' $?
+refuses 2 'normals of triangles' "$knot" -o result.stl --normals
+
 refuses 1 'No such file' missing.ply -o result.ply
 refuses 2 'no mesh format' "$knot" -o result.npy
 refuses 1 'shell of 1 voxels' "$knot" -o result.ply --shell 1

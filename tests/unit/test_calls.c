@@ -295,6 +295,14 @@ static bvx_status repair(const world *w)
     return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
 }
 static bvx_status write_mesh(const world *w) { return bvx_write_mesh(w->ctx, w->body, BVX_FORMAT_PLY, (bvx_buffer *)w->out); }
+static bvx_status write_mesh_with(const world *w)
+{
+    TAKE_OPTIONS(write, o);
+    o.normals = 1;
+    TAKE_RESERVED(o.reserved);
+    return bvx_write_mesh_with(w->ctx, w->body, &o, BVX_FORMAT_OBJ, (bvx_buffer *)w->out);
+}
+static bvx_status write_levels(const world *w) { return bvx_write_levels(w->ctx, w->body, 1, BVX_FORMAT_GLB, (bvx_buffer *)w->out); }
 static bvx_status write_grid(const world *w) { return bvx_write_grid(w->ctx, w->grid, BVX_FORMAT_BVX, (bvx_buffer *)w->out); }
 static bvx_status write_octree(const world *w) { return bvx_write_octree(w->ctx, w->tree, 0, BVX_FORMAT_BVX, (bvx_buffer *)w->out); }
 static bvx_status write_field(const world *w) { return bvx_write_field(w->ctx, w->field, 0, BVX_FORMAT_NRRD, (bvx_buffer *)w->out); }
@@ -381,7 +389,8 @@ static const call calls[] = {
     CALL(extract_field_surface, FIELD | OPTIONS | RESERVED, TO_MESH), CALL(boolean, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(build_lods, GRID | OPTIONS | RESERVED, TO_MESH), CALL(build_sections, SECTIONS | OPTIONS, TO_MESH),
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS), CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(write_mesh, BODY, TO_BUFFER), CALL(write_grid, GRID, TO_BUFFER), CALL(write_octree, TREE, TO_BUFFER),
+    CALL(write_mesh, BODY, TO_BUFFER), CALL(write_mesh_with, BODY | OPTIONS | RESERVED, TO_BUFFER),
+    CALL(write_levels, BODY, TO_BUFFER), CALL(write_grid, GRID, TO_BUFFER), CALL(write_octree, TREE, TO_BUFFER),
     CALL(write_field, FIELD, TO_BUFFER), CALL(write_lattice, GRID, TO_BUFFER), CALL(write_head, LATTICE, TO_BUFFER),
     CALL(write_slices, GRID, TO_BUFFER), CALL(write_sections, SECTIONS, TO_BUFFER), CALL(write_png, IMAGE, TO_BUFFER),
     CALL(render_mesh, MESH | OPTIONS | RESERVED, TO_IMAGE), CALL(render_grid, GRID | OPTIONS | RESERVED, TO_IMAGE),

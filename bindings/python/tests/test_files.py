@@ -26,6 +26,56 @@ def test_glb_is_written(ball, tmp_path):
     assert (tmp_path / "ball.glb").read_bytes()[:4] == b"glTF"
 
 
+@pytest.mark.parametrize("ending", ["ply", "obj", "ply.gz"])
+def test_normals_are_written_and_left_out_again(ball, tmp_path, ending):
+    ball.save(tmp_path / f"plain.{ending}")
+    ball.save(tmp_path / f"smooth.{ending}", normals=True)
+    assert bitvox.read(tmp_path / f"smooth.{ending}") == bitvox.read(tmp_path / f"plain.{ending}")
+    text = bitvox.dumps(ball, "obj", normals=True)
+    normals = np.array([line.split()[1:] for line in text.splitlines() if line.startswith(b"vn ")], float)
+    assert normals.shape == (ball.n_vertices, 3)
+    np.testing.assert_allclose(normals, ball.normals()[0], atol=1e-6)
+
+
+def test_normals_where_there_are_none(ball):
+    assert bitvox.dumps(ball, "glb", normals=True) == bitvox.dumps(ball, "glb")
+    for ending in ("stl", "off"):
+        with pytest.raises(bitvox.UnsupportedError, match="normals"):
+            bitvox.dumps(ball, ending, normals=True)
+    with pytest.raises(bitvox.ArgumentError, match="for meshes"):
+        bitvox.dumps(bitvox.Grid.from_numpy(ball_grid(8)), "npy", normals=True)
+
+
+def test_levels_go_to_one_file(ball, tmp_path):
+    coloured = bitvox.Mesh(ball.vertices, ball.faces[::2], colours=np.full((ball.n_vertices, 4), 7, np.uint8))
+    path = tmp_path / "levels.glb"
+    bitvox.write_levels(path, [ball, coloured, (ball.vertices, ball.faces[:5])])
+    data = path.read_bytes()
+    size = int.from_bytes(data[12:16], "little")
+    described = json.loads(data[20 : 20 + size])
+    assert [node["name"] for node in described["nodes"]] == ["level_0", "level_1", "level_2"]
+    assert described["nodes"][0]["extensions"] == {"MSFT_lod": {"ids": [1, 2]}} and described["extensionsUsed"] == ["MSFT_lod"]
+    assert described["scenes"] == [{"nodes": [0]}] and len(described["meshes"]) == 3
+    has_colours = ["COLOR_0" in mesh["primitives"][0]["attributes"] for mesh in described["meshes"]]
+    assert has_colours == [False, True, False]
+    bitvox.write_levels(path, (mesh for mesh in [ball]))
+    assert path.read_bytes() == bitvox.dumps(ball, "glb")
+
+
+def test_levels_that_are_not_written(ball, tmp_path):
+    with pytest.raises(bitvox.UnsupportedError, match="one file a level"):
+        bitvox.write_levels(tmp_path / "levels.ply", [ball, ball])
+    with pytest.raises(bitvox.UnsupportedError, match="one file a level"):
+        bitvox.write_levels(tmp_path / "levels.npy", [ball, ball])
+    with pytest.raises(bitvox.ArgumentError, match="level_count is 0"):
+        bitvox.write_levels(tmp_path / "levels.glb", [])
+    with pytest.raises(bitvox.EmptyError, match="level 1"):
+        bitvox.write_levels(tmp_path / "levels.glb", [ball, bitvox.Mesh(ball.vertices, ball.faces[:0])])
+    with pytest.raises(TypeError, match="several meshes"):
+        bitvox.write_levels(tmp_path / "levels.glb", ball)
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("ending", ["npy", "binvox", "vox", "nrrd", "vti", "bvx", "nrrd.gz"])
 def test_grids_round_trip(tmp_path, ending):
     grid = bitvox.Grid.from_numpy(ball_grid(20), spacing=0.5, corner=(1, 2, 3))

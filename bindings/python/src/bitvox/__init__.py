@@ -29,7 +29,7 @@ from ._errors import (
     VersionError,
 )
 from ._field import Field, field
-from ._files import Writer, dumps, loads, read, write
+from ._files import Writer, dumps, loads, read, write, write_levels
 from ._grid import Attached, Grid
 from ._image import Image, render
 from ._lattice import Lattice, Window
@@ -83,4 +83,5 @@ __all__ = [
     "carry", "check", "compare", "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
     "find_seed", "from_sections", "loads", "lod", "merge", "read", "read_points", "read_volume", "refine", "register_with_trimesh", "render",
     "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "voxelize_points", "write",
+    "write_levels",
 ]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, Iterable
 
 from ._errors import ArgumentError, MemoryLimitError, UnsupportedError
 from ._grid import Grid, new_grid
 from ._lattice import WindowLike, set_window
 from ._mesh import Mesh, new_mesh
-from ._run import Progress, Run, ffi, function, lib
+from ._run import Progress, Run, ffi, function, lib, options_of
 from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
 
 MESH_FORMATS = ("stl", "obj", "ply", "off")
@@ -165,8 +165,8 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     raise UnsupportedError(f"format {format!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}")
 
 
-def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, threads: int | None = None, memory_limit: int | None = None,
-          progress: Progress = None) -> bytes:
+def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, normals: bool = False, threads: int | None = None,
+          memory_limit: int | None = None, progress: Progress = None) -> bytes:
     """The bytes of a file.
 
     Args:
@@ -174,6 +174,8 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
             `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
         states: of an octree's vtu: which leaves, ("surface", "inside") unless told.
         vectors: of a field: vectors in place of signed distances.
+        normals: of a mesh's ply or obj: also smooth normals of the vertices, averaged by area over sharp edges too; glb has them
+            always, stl and off are refused.
 
     Raises:
         UnsupportedError: a format that does not hold such a thing. RangeError: sizes or numbers beyond what it holds.
@@ -188,6 +190,8 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         raise ArgumentError("states are for octrees")
     if vectors and not isinstance(thing, Field):
         raise ArgumentError("vectors are for fields")
+    if normals and isinstance(thing, (Grid, Octree, Field, Image, Sections)):
+        raise ArgumentError("normals are for meshes")
     with Run(threads, memory_limit, progress) as run:
         if isinstance(thing, Image) and kind == "png":
             return thing.png()
@@ -201,7 +205,13 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         elif isinstance(thing, Field) and kind in ("npy", "nrrd", "vti"):
             run.check(function("bvx_write_field")(run.context, thing._c, int(vectors), _number(kind), out))
         elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
-            run.check(lib.bvx_write_mesh(run.context, Mesh.of(thing)._struct(run), _number(kind), out))
+            mesh = Mesh.of(thing)._struct(run)
+            if normals:
+                options = options_of("write_options")
+                options.normals = 1
+                run.check(function("bvx_write_mesh_with")(run.context, mesh, options, _number(kind), out))
+            else:
+                run.check(lib.bvx_write_mesh(run.context, mesh, _number(kind), out))
         else:
             raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}; {_outputs(thing)}")
     return bytes(ffi.buffer(out.bytes, out.size))
@@ -214,8 +224,42 @@ def _outputs(thing: Any) -> str:
     return f"take one of {endings}" + ("" if type(thing).__name__ in known else ", or to_trimesh().export(...)")
 
 
-def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False, threads: int | None = None,
-          memory_limit: int | None = None, progress: Progress = None) -> None:
+def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads: int | None = None, memory_limit: int | None = None,
+                 progress: Progress = None) -> None:
+    """Write levels of detail to one .glb file, whole or not at all::
+
+        bitvox.write_levels("dragon.glb", bitvox.lod("dragon.ply", levels=(64, 32, 16)))
+
+    Each level is a node, ``level_0``, ``level_1``, ... and a mesh of its own. glTF itself has no levels of detail: they are tied
+    together by the vendor extension MSFT_lod, which few readers know. Viewers without it show level_0 alone.
+
+    Args:
+        path: a name that ends in .glb, or .glb.gz, which packs it.
+        levels: meshes, the finest first; with colours and uvs or without, as each is.
+
+    Raises:
+        UnsupportedError: another format: write one file a level. EmptyError: a level without faces. RangeError: levels beyond
+        what the format holds (4 GiB).
+    """
+    path = os.fspath(path)
+    kind = _format_of(path, None)
+    if kind not in MESH_OUTPUTS:
+        raise UnsupportedError(f"{path}: levels of detail are not written as {kind!r}; take .glb, or write one file a level")
+    if isinstance(levels, Mesh):
+        raise TypeError("levels are several meshes, not one; Mesh.save writes one")
+    meshes = [Mesh.of(level) for level in levels]
+    out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
+    with Run(threads, memory_limit, progress) as run:
+        borrowed = [mesh._struct(run) for mesh in meshes]
+        array = ffi.new("bvx_mesh[]", max(len(borrowed), 1))
+        for i, one in enumerate(borrowed):
+            array[i] = one[0]
+        run.check(function("bvx_write_levels")(run.context, array, len(borrowed), _number(kind), out))
+    write_bytes(path, bytes(ffi.buffer(out.bytes, out.size)))
+
+
+def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False,
+          normals: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
     """Write a mesh, grid, octree, field or image to a file, whole or not at all.
 
     Args:
@@ -224,10 +268,11 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
         format: the format, in place of the name's ending.
         states: of an octree: which leaves, ("surface", "inside") unless told.
         vectors: of a field: vectors in place of signed distances.
+        normals: of a mesh: as for `dumps`.
     """
     path = os.fspath(path)
     kind = _format_of(path, format)
-    data = dumps(thing, kind, states=states, vectors=vectors, threads=threads, memory_limit=memory_limit, progress=progress)
+    data = dumps(thing, kind, states=states, vectors=vectors, normals=normals, threads=threads, memory_limit=memory_limit, progress=progress)
     placed = thing.band if hasattr(thing, "band") else thing
     beside = lattice_json(placed) if isinstance(placed, Grid) and kind in _BESIDE else None
     write_bytes(path, data)
@@ -300,4 +345,4 @@ class Writer:
             raise ArgumentError(f"{self._path}: slices {self._at} to {self._end - 1} were not given; nothing is written")
 
 
-__all__ = ["Writer", "dumps", "loads", "read", "write"]
+__all__ = ["Writer", "dumps", "loads", "read", "write", "write_levels"]

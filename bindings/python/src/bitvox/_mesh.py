@@ -361,11 +361,12 @@ class Mesh:
 
         return render(self, size=(480, 360)).png() if self.n_faces else None
 
-    def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write it to the file ``path``, in the format of its ending or in ``format``; see `bitvox.write`."""
+    def save(self, path: str | os.PathLike[str], format: str | None = None, *, normals: bool = False) -> None:
+        """Write it to the file ``path``, in the format of its ending or in ``format``; with smooth ``normals`` of the vertices too
+        in .ply and .obj. See `bitvox.write`."""
         from ._files import write
 
-        write(self, path, format=format)
+        write(self, path, format=format, normals=normals)
 
 
 def new_mesh() -> Any:
