@@ -2051,7 +2051,7 @@ BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *
 
 /** What levels are made from. */
 enum {
-    BVX_LEVELS_AUTO = 0,     /**< the mesh itself where that gives whole levels, else its measured surface */
+    BVX_LEVELS_AUTO = 0,     /**< the mesh itself where it is closed, manifold, oriented and does not cross itself, else its measured surface */
     BVX_LEVELS_MESH = 1,     /**< the mesh itself: closed, manifold and oriented */
     BVX_LEVELS_MEASURED = 2  /**< the surface that bvx_repair makes of the mesh */
 };
@@ -2061,6 +2061,8 @@ typedef struct bvx_levels_report {
     int32_t reserved0;
     bvx_certificate before;  /**< of the input, vertices at equal positions taken as one */
     uint64_t triangles;      /**< of the surface before edges collapsed */
+    uint64_t crossings;      /**< pairs of triangles of the input that cross, where that decided */
+    uint64_t crumbs;         /**< pieces of the measured surface that the input has none for, each below a thousandth of the volume: dropped */
     bvx_repair_report repair; /**< BVX_LEVELS_MEASURED: what was found and done; its lattice, parts and shells */
     uint64_t reserved[6];
 } bvx_levels_report;
@@ -2092,8 +2094,8 @@ typedef struct bvx_levels_options {
 
 BVX_API void bvx_levels_options_init(bvx_levels_options *options, size_t size);
 
-/** The resolution that bvx_build_levels measures a mesh with where none is given: the one at which the measured surface has eight times
- *  the triangles of the finest level, from 64 to 512, and less where memory has a limit. mesh and options as there; options may be NULL.
+/** The resolution that bvx_build_levels measures a mesh with where none is given: the one at which the measured surface has about 16
+ *  times the triangles of the finest level, from 256 to 512. mesh and options as there; options may be NULL.
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE. Memory: none. Cost: O(triangles). */
 BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
                                    uint64_t level_count, int32_t *resolution);
@@ -2101,8 +2103,8 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
 /**
  * Levels of detail from any mesh: the main job.
  *
- * A mesh that is closed, manifold and oriented is simplified as it is; where its levels would cross themselves, and for any
- * other mesh, the surface is measured first as bvx_repair does: holes get lids, overlapping parts become one, sheets become
+ * A mesh that is closed, manifold and oriented, has no triangle without area and does not cross itself is simplified as it is; of any
+ * other mesh the surface is measured first as bvx_repair does: holes get lids, overlapping parts become one, sheets become
  * shells. Then edges collapse, each level from the one before, as in bvx_mesh_simplify, whose guarantee holds for every level.
  *
  * mesh    any mesh of area; vertices must be finite

@@ -1,18 +1,24 @@
 /* build_levels.c - levels of detail from any mesh: bvx_build_levels.
  *
- * A mesh that is closed, manifold and oriented is simplified as it is, since nothing is nearer to it. What is not, and what would
- * give levels that cross themselves, is measured first: the surface that bvx_repair puts between voxels lies a hundredth of
+ * A mesh that is closed, manifold, oriented and does not cross itself is simplified as it is, since nothing is nearer to it. What
+ * is not is measured first: the surface that bvx_repair puts between voxels lies a hundredth of
  * a voxel from the mesh and has its guarantee. */
+#include "mesh/pieces.h"
+#include "mesh/radix.h"
 #include "mesh/view.h"
 #include "simplify/levels.h"
 
 #include <math.h>
 
 enum {
-    PLAN_RATIO = 12,     /* triangles of the measured surface to one of the finest level */
-    PLAN_LEAST = 128,    /* voxels along the longest axis */
-    PLAN_MOST = 512
+    PLAN_RATIO = 16,     /* triangles of the measured surface to one of the finest level */
+    PLAN_LEAST = 256,    /* voxels along the longest axis */
+    PLAN_MOST = 512,
+    SHARP_MOST = 500000  /* meshes of more triangles are scans */
 };
+
+/* A piece that the input has none for, and that is a smaller share of the volume than this, is a crumb. */
+#define CRUMB_SHARE 1e-3
 
 /* Edges whose facets meet at more than 40 degrees are sharp, at more than 15 bent: cosines. */
 #define SHARP_COSINE 0.766
@@ -129,13 +135,168 @@ bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, cons
 
 /* ---- Sharp edges ---- */
 
-/* 1 when many edges of the welded mesh are sharp and few are merely bent, as with machine parts. The normals of both sides are
- * compared at the edges of triangles that follow each other around a shared vertex. */
-static bvx_status is_sharp_mesh(levels_job *job, const bvx_mesh_view *welded, int *sharp)
+/* Twice the area, and the normal of length 1 or 0. */
+static double unit_normal(const double p[3][3], double n[3])
 {
-    (void)welded;
-    (void)job;
+    double u[3], v[3], length;
+
+    for (int a = 0; a < 3; a++) {
+        u[a] = p[1][a] - p[0][a];
+        v[a] = p[2][a] - p[0][a];
+    }
+    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+    length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int a = 0; a < 3; a++) n[a] = length > 0 ? n[a] / length : 0;
+    return length;
+}
+
+/* Lengths of the edges between two triangles: of all, of those that are bent, of those that are sharp. */
+typedef struct edge_lengths {
+    double all, bent, sharp;
+} edge_lengths;
+
+/* Two sides (3 * triangle + k: from corner k to the next) of one edge. */
+static void add_edge(const bvx_mesh_view *mesh, uint32_t one, uint32_t other, edge_lengths *sum)
+{
+    double p[3][3], q[3][3], n[3], m[3], length = 0, cosine;
+    uint32_t v[3], w[3];
+
+    corners_of(mesh, one / 3, p);
+    corners_of(mesh, other / 3, q);
+    if (!(unit_normal((const double(*)[3])p, n) > 0) || !(unit_normal((const double(*)[3])q, m) > 0)) return;
+    bvxi_view_triangle(mesh, one / 3, v);
+    bvxi_view_triangle(mesh, other / 3, w);
+
+    /* Sides that run the same way belong to triangles of opposite orientation. */
+    cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+    if (v[one % 3] == w[other % 3]) cosine = -cosine;
+    for (int a = 0; a < 3; a++) length += (p[(one + 1) % 3][a] - p[one % 3][a]) * (p[(one + 1) % 3][a] - p[one % 3][a]);
+    length = sqrt(length);
+
+    sum->all += length;
+    if (cosine < SHARP_COSINE) sum->sharp += length;
+    else if (cosine < BENT_COSINE) sum->bent += length;
+}
+
+static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t *keys, uint32_t *side, edge_lengths *sum)
+{
+    uint64_t const n = 3 * mesh->triangle_count;
+
+    for (uint64_t i = 0; i < n; i++) {
+        uint32_t v[3];
+
+        bvxi_view_triangle(mesh, i / 3, v);
+        {
+            uint64_t const a = v[i % 3], b = v[(i + 1) % 3];
+            keys[i] = a < b ? a << 32 | b : b << 32 | a;
+        }
+        side[i] = (uint32_t)i;
+    }
+    BVXI_TRY(bvxi_radix_sort(ctx, keys, side, n));
+
+    for (uint64_t i = 0; i + 1 < n; i++) {
+        if (keys[i] != keys[i + 1]) continue;
+        add_edge(mesh, side[i], side[i + 1], sum);
+        i++;
+    }
+    return BVX_OK;
+}
+
+/* 1 when many edges of the welded mesh are sharp and few are merely bent, as with machine parts. */
+static bvx_status is_sharp_mesh(bvx_context *ctx, const bvx_mesh_view *welded, int32_t *sharp)
+{
+    uint64_t const bytes = welded->triangle_count * 36;
+    edge_lengths sum = {0, 0, 0};
+    unsigned char *block;
+    bvx_status status;
+
     *sharp = 0;
+    if (welded->triangle_count > SHARP_MOST) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges' lengths", &block));
+    status = measure_edges(ctx, welded, (uint64_t *)(void *)block, (uint32_t *)(void *)(block + welded->triangle_count * 24), &sum);
+    bvxi_free(ctx, block, bytes);
+    *sharp = sum.sharp > 0.01 * sum.all && sum.sharp > 2 * sum.bent;
+    return status;
+}
+
+/* ---- Crumbs ---- */
+
+/* The volume of each piece, at its least vertex; returns the pieces. */
+static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piece, double *volume, double *total)
+{
+    uint64_t pieces = 0;
+
+    for (uint64_t t = 0; t < surface->triangle_count; t++) {
+        double p[3][3];
+        uint32_t v[3];
+
+        corners_of(surface, t, p);
+        bvxi_view_triangle(surface, t, v);
+        volume[piece[v[0]]] += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+                                p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) / 6;
+    }
+    *total = 0;
+    for (uint64_t v = 0; v < surface->vertex_count; v++) {
+        if (piece[v] == v) pieces++;
+        volume[v] = volume[v] < 0 ? -volume[v] : volume[v];
+        *total += volume[v];
+    }
+    return pieces;
+}
+
+/* Mark small pieces, the smallest first, until as many are left as the input has; volume becomes -1 there. */
+static uint64_t mark_crumbs(const uint32_t *piece, uint64_t vertices, uint64_t surplus, double most, double *volume)
+{
+    uint64_t marked = 0;
+
+    while (marked < surplus) {
+        uint64_t least = vertices;
+
+        for (uint64_t v = 0; v < vertices; v++)
+            if (piece[v] == v && volume[v] >= 0 && volume[v] < most && (least == vertices || volume[v] < volume[least])) least = v;
+        if (least == vertices) break;
+        volume[least] = -1;
+        marked++;
+    }
+    return marked;
+}
+
+/* Take the triangles of marked pieces out; vertices stay, since nobody sees those without triangles. */
+static void drop_pieces(bvx_mesh *surface, const uint32_t *piece, const double *volume)
+{
+    uint64_t kept = 0;
+
+    for (uint64_t t = 0; t < surface->triangle_count; t++) {
+        if (volume[piece[surface->triangles[3 * t]]] < 0) continue;
+        memmove(surface->triangles + 3 * kept++, surface->triangles + 3 * t, 12);
+    }
+    surface->triangle_count = kept;
+}
+
+/* Drop pieces of the measured surface that the input has none for. */
+static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
+{
+    uint64_t const vertices = surface->vertex_count, bytes = vertices * 16;
+    unsigned char *block;
+    uint32_t *same, *piece;
+    double *volume, total;
+    bvx_mesh_view view;
+    uint64_t pieces;
+
+    bvx_mesh_view_of(surface, &view);
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the surface's pieces", &block));
+    volume = (double *)(void *)block;
+    same = (uint32_t *)(void *)(block + vertices * 8);
+    piece = same + vertices;
+
+    for (uint64_t v = 0; v < vertices; v++) same[v] = (uint32_t)v;
+    bvxi_pieces(&view, same, piece);
+    pieces = piece_volumes(&view, piece, volume, &total);
+    if (pieces > job->report.before.components) {
+        job->report.crumbs = mark_crumbs(piece, vertices, pieces - job->report.before.components, CRUMB_SHARE * total, volume);
+        if (job->report.crumbs != 0) drop_pieces(surface, piece, volume);
+    }
+    bvxi_free(job->ctx, block, bytes);
     return BVX_OK;
 }
 
@@ -154,13 +315,13 @@ static bvx_status repair_surface(levels_job *job, const bvx_mesh_view *welded, b
     int32_t const type = o->position_type != 0 ? o->position_type : BVX_F32;
     bvx_repair_options r;
     bvx_status status;
-    int sharp = o->sharp;
+    int32_t sharp = o->sharp;
 
     bvx_repair_options_init(&r, sizeof r);
     r.lattice = o->lattice;
     r.resolution = o->resolution;
     if (o->resolution == 0) BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &r.resolution));
-    if (sharp < 0) BVXI_TRY(is_sharp_mesh(job, welded, &sharp));
+    if (sharp < 0) BVXI_TRY(is_sharp_mesh(job->ctx, welded, &sharp));
     r.sharp = sharp;
     r.sign = o->sign;
     r.shell = o->shell;
@@ -184,12 +345,12 @@ static bvx_status simplify_measured(levels_job *job, const bvx_mesh_view *welded
     bvx_mesh_view view;
     bvx_status status = repair_surface(job, welded, &surface);
 
+    if (status == BVX_OK) status = drop_crumbs(job, &surface);
     if (status == BVX_OK) {
         bvx_mesh_view_of(&surface, &view);
         job->report.source = BVX_LEVELS_MEASURED;
         job->report.triangles = view.triangle_count;
         job->chain.collapse.position_type = surface.position_type;
-        job->chain.whole = 0;
         status = bvxi_levels_make(job->ctx, &job->chain, &view, 0.5, 1.0);
     }
     bvx_mesh_free(job->ctx, &surface);
@@ -200,19 +361,20 @@ static bvx_status levels_steps(levels_job *job, const bvx_mesh_view *welded)
 {
     const bvx_levels_options *const o = job->options;
     bvx_certificate *const c = &job->report.before;
+    uint64_t crossings;
 
     BVXI_TRY(bvx_mesh_check(job->ctx, welded, 0, c));
     if (c->triangles == c->degenerate)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area", levels_name, job->mesh->triangle_count);
 
     if (o->source == BVX_LEVELS_MESH) return simplify_as_it_is(job, welded);
-    if (o->source == BVX_LEVELS_MEASURED || wants_measured(o) || !c->closed || !c->edge_manifold || !c->vertex_manifold || !c->oriented)
+    if (o->source == BVX_LEVELS_MEASURED || wants_measured(o) || !c->closed || !c->edge_manifold || !c->vertex_manifold || !c->oriented ||
+        c->degenerate != 0)
         return simplify_measured(job, welded);
 
-    /* Crossings that the mesh has are seen in its levels, which are smaller. */
-    job->chain.whole = 1;
-    BVXI_TRY(simplify_as_it_is(job, welded));
-    return job->chain.crosses ? simplify_measured(job, welded) : BVX_OK;
+    BVXI_TRY(bvx_mesh_crossings(job->ctx, welded, &crossings, NULL, 0));
+    job->report.crossings = crossings;
+    return crossings != 0 ? simplify_measured(job, welded) : simplify_as_it_is(job, welded);
 }
 
 static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
@@ -230,6 +392,7 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->measure_samples = o->measure_samples;
     c->collapse.position_type = o->position_type != 0 ? o->position_type : (int32_t)job->mesh->position_type;
     c->collapse.even = o->even;
+    c->collapse.lenient = o->source == BVX_LEVELS_MESH;
     c->count = level_count;
     c->levels = levels;
     c->reports = o->reports;

@@ -19,7 +19,7 @@
 
 #include <math.h>
 
-enum { COLLAPSE_REPORT = 1024, COLLAPSE_CURVE_BITS = 21, COLLAPSE_BATCH = 4096 };
+enum { COLLAPSE_REPORT = 1024, COLLAPSE_CURVE_BITS = 21, COLLAPSE_BATCH = 4096, COLLAPSE_LATER = 2 * BVXI_QUEUE_OCTAVE };
 
 struct bvxi_collapse {
     bvx_context *ctx;
@@ -214,7 +214,7 @@ static int judge_elsewhere(bvxi_collapse *c, const quadric *q, int32_t bucket)
     return BVXI_STAR_CROSSES;
 }
 
-/* Collapse an edge where that is safe, else put it back among those that cost twice as much. */
+/* Collapse an edge where that is safe, else put it back among those that cost four times as much. */
 static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
 {
     const bvxi_corners *const m = &c->mesh;
@@ -244,7 +244,7 @@ static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
     c->counts.turned += verdict == BVXI_STAR_TURNS;
     c->counts.needle += verdict == BVXI_STAR_NEEDLE;
     c->counts.crossed += verdict == BVXI_STAR_CROSSES;
-    entry->bucket += BVXI_QUEUE_OCTAVE;
+    entry->bucket += COLLAPSE_LATER;
     if (entry->bucket < BVXI_QUEUE_FINE) bvxi_queue_put(&c->queue, entry);
 }
 
@@ -559,6 +559,7 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->ctx = ctx;
     c->function = function;
     c->options = *options;
+    c->star.lenient = options->lenient;
     status = open_steps(c, mesh);
     if (status == BVX_OK) *collapse = c;
     else bvxi_collapse_close(c);

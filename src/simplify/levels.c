@@ -91,10 +91,9 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     uint64_t crossings = 0;
 
     bvx_mesh_view_of(&c->levels[i], &view);
-    if (c->whole || c->reports != NULL) BVXI_TRY(bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
-    if (c->whole && crossings != 0) c->crosses = 1;
-    if (c->reports == NULL || c->crosses) return BVX_OK;
+    if (c->reports == NULL) return BVX_OK;
 
+    BVXI_TRY(bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
     r = &c->reports[i];
     memset(r, 0, sizeof *r);
     r->vertices = view.vertex_count;
@@ -177,13 +176,12 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
     bvxi_collapse *collapse = NULL;
     bvx_status status = bvxi_collapse_open(ctx, c->function, surface, &c->collapse, &collapse);
 
-    c->crosses = 0;
-    for (uint64_t i = 0; i < c->count && status == BVX_OK && !c->crosses; i++) {
+    for (uint64_t i = 0; i < c->count && status == BVX_OK; i++) {
         double const share = (to - from) / (double)c->count;
 
         status = make_level(ctx, c, i, collapse, from + share * (double)i, from + share * (double)(i + 1));
     }
     bvxi_collapse_close(collapse);
-    if (status != BVX_OK || c->crosses) bvxi_levels_drop(ctx, c->levels, c->count);
+    if (status != BVX_OK) bvxi_levels_drop(ctx, c->levels, c->count);
     return status;
 }

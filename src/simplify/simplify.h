@@ -9,6 +9,7 @@ typedef struct bvxi_collapse bvxi_collapse;
 typedef struct bvxi_collapse_options {
     int32_t position_type; /* of the levels: new positions are rounded to it */
     double even;           /* pull of every vertex towards the line along its normal: even triangles where it is flat */
+    int32_t lenient;       /* 1: the mesh may cross itself; no triangle crosses that none crossed before */
 } bvxi_collapse_options;
 
 /* What became of the edges that were tried. */

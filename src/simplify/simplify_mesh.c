@@ -79,6 +79,7 @@ bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh, co
     chain.measure_samples = o.measure_samples;
     chain.collapse.position_type = o.position_type != 0 ? o.position_type : (int32_t)mesh->position_type;
     chain.collapse.even = o.even;
+    chain.collapse.lenient = 1;
     chain.count = level_count;
     chain.levels = levels;
     chain.reports = o.reports;

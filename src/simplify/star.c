@@ -200,6 +200,24 @@ static int gather_link_fan(const bvxi_corners *m, const bvxi_star *star, int32_t
     return f->count > 2;
 }
 
+static int old_triangle_crosses(const bvxi_corners *m, const uint32_t *corners, const double *const q[3])
+{
+    const double *const p[3] = {bvxi_corner_position(m, corners[0]), bvxi_corner_position(m, corners[1]), bvxi_corner_position(m, corners[2])};
+    return bvxi_triangles_cross(p, q);
+}
+
+/* 1 when a triangle that stays crosses the star as it was already, and that is suffered: in a mesh that crosses itself the
+ * triangles that do become no more. */
+static int crosses_anyway(const bvxi_corners *m, const bvxi_star *star, const double *const q[3])
+{
+    int32_t const across = bvxi_corner_opposite(m, star->edge);
+
+    if (!star->lenient) return 0;
+    for (int32_t i = 0; i < star->count; i++)
+        if (old_triangle_crosses(m, m->triangle[star->corner[i] >> 2].vertex, q)) return 1;
+    return old_triangle_crosses(m, m->triangle[star->edge >> 2].vertex, q) || old_triangle_crosses(m, m->triangle[across >> 2].vertex, q);
+}
+
 /* Triangle i of the new star against one that stays and has a vertex of it: exact. */
 static int new_triangle_crosses(const bvxi_corners *m, const bvxi_star *star, int32_t i, int32_t triangle)
 {
@@ -207,7 +225,7 @@ static int new_triangle_crosses(const bvxi_corners *m, const bvxi_star *star, in
     const double *const p[3] = {star->p, bvxi_corner_position(m, star->link[i]), bvxi_corner_position(m, star->link[i + 1])};
     const double *const q[3] = {bvxi_corner_position(m, c[0]), bvxi_corner_position(m, c[1]), bvxi_corner_position(m, c[2])};
 
-    return bvxi_triangles_cross(p, q);
+    return bvxi_triangles_cross(p, q) && !crosses_anyway(m, star, q);
 }
 
 /* Seen along what all triangles around a vertex face, the two new ones must too: then they fill the gap that the collapse
@@ -345,7 +363,7 @@ static int new_triangle_meets(const bvxi_corners *m, const bvxi_star *star, int3
 {
     const double *const p[3] = {star->p, bvxi_corner_position(m, star->link[i]), bvxi_corner_position(m, star->link[i + 1])};
 
-    return !triangles_are_apart(p, q) && bvxi_triangles_cross(p, q);
+    return !triangles_are_apart(p, q) && bvxi_triangles_cross(p, q) && !crosses_anyway(m, star, q);
 }
 
 /* 1 when a triangle's corners are all beyond the outer edge of new triangle i, or all on one side of its plane, for certain:

@@ -23,6 +23,7 @@ typedef struct bvxi_star {
     int32_t edge;
     uint32_t u, v;
     int32_t count;
+    int32_t lenient; /* 1: what an old triangle crosses, a new one may */
     double p[3];
     uint32_t link[BVXI_STAR_MOST + 1];      /* the first one again at the end */
     int32_t corner[BVXI_STAR_MOST];         /* of u or v, opposite to the edge from link[i] to link[i + 1] */
