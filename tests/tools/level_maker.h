@@ -6,7 +6,6 @@
 #ifndef LEVEL_MAKER_H
 #define LEVEL_MAKER_H
 
-#include "golden/shapes.h"
 #include "tools/mesh_maker.h"
 
 typedef struct level_shape {
@@ -166,13 +165,22 @@ static inline void level_wedge(maker_mesh *m, uint64_t *seed)
     level_prism(m, outline, points, centre, 5, 9, 8);
 }
 
+/* Point i of n around the unit circle: quarters of the rational parametrization. */
+static inline void level_circle(int32_t i, int32_t n, double *x, double *y)
+{
+    int32_t const quarter = 4 * i / n;
+    double const u = 4.0 * i / n - quarter, d = 1.0 + u * u, a = (1.0 - u * u) / d, b = 2.0 * u / d;
+    *x = quarter == 0 ? a : quarter == 1 ? -b : quarter == 2 ? -a : b;
+    *y = quarter == 0 ? b : quarter == 1 ? a : quarter == 2 ? -b : -a;
+}
+
 static inline void level_cylinder(maker_mesh *m, uint64_t *seed)
 {
     static const double centre[2] = {8, 8};
     double outline[LEVEL_OUTLINE][2];
     (void)seed;
     for (int32_t i = 0; i < 100; i++) {
-        shape_circle(i, 100, &outline[i][0], &outline[i][1]);
+        level_circle(i, 100, &outline[i][0], &outline[i][1]);
         for (int k = 0; k < 2; k++) outline[i][k] = 8 + 4 * outline[i][k];
     }
     level_prism(m, outline, 100, centre, 4, 11, 12);
@@ -200,26 +208,26 @@ static inline void level_balloon(maker_mesh *m, uint64_t *seed)
     maker_flip(m, first, m->triangles);
 }
 
-static inline void level_take_shape(maker_mesh *m, const shape *s, double scale)
+/* n times k vertices; the tube swells and shrinks at random by up to half of dent. */
+static inline void level_tube(maker_mesh *m, uint64_t *seed, int32_t n, int32_t k, double dent)
 {
-    for (uint32_t v = 0; v < s->vertices; v++) maker_vertex(m, 8 + scale * s->v[v][0], 8 + scale * s->v[v][1], 8 + scale * s->v[v][2]);
-    for (uint32_t t = 0; t < s->triangles; t++) maker_triangle(m, s->t[t][0], s->t[t][1], s->t[t][2]);
+    for (int32_t i = 0; i < n; i++)
+        for (int32_t j = 0; j < k; j++) {
+            double const r = 1.5 * (1 + dent * (maker_below(seed, 2001) / 2000.0 - 0.5));
+            double x, y, c, z;
+            level_circle(i, n, &x, &y);
+            level_circle(j, k, &c, &z);
+            maker_vertex(m, 8 + x * (4 + r * c), 8 + y * (4 + r * c), 8 + r * z + 0.5 * x * y);
+        }
+    for (int32_t i = 0; i < n; i++)
+        for (int32_t j = 0; j < k; j++) {
+            uint32_t const a = (uint32_t)(i * k), b = (uint32_t)((i + 1) % n * k), c = (uint32_t)j, d = (uint32_t)((j + 1) % k);
+            maker_quad(m, a + c, b + c, b + d, a + d, 0);
+        }
 }
 
-static inline void level_torus(maker_mesh *m, uint64_t *seed)
-{
-    static shape s;
-    (void)seed;
-    shape_torus(&s, 60, 28, 0, 1);
-    level_take_shape(m, &s, 2);
-}
-
-static inline void level_dented_torus(maker_mesh *m, uint64_t *seed)
-{
-    static shape s;
-    shape_torus(&s, 48, 24, 0.35, maker_random(seed) | 1);
-    level_take_shape(m, &s, 2);
-}
+static inline void level_torus(maker_mesh *m, uint64_t *seed) { level_tube(m, seed, 60, 28, 0); }
+static inline void level_dented_torus(maker_mesh *m, uint64_t *seed) { level_tube(m, seed, 48, 24, 0.35); }
 
 static const level_shape level_shapes[] = {
     {"cube", level_cube, 2, 1, 12},

@@ -1,5 +1,7 @@
 /* test_simplify.c - bvx_mesh_simplify: every level closed, manifold and without crossing triangles, as many handles and pieces as before;
  * shapes of planes come down to their corners; the same bytes for every order of the input; targets of all kinds. */
+#include "../golden/shapes.h"
+
 #include "levels_support.h"
 
 static bvx_simplify_options defaults(void)
