@@ -79,6 +79,13 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
 enum { SPOILT_FLIPPED, SPOILT_OPEN, SPOILT_DOUBLED, SPOILT_OVERLAPPING, SPOILT_TOUCHING, SPOILT_SOUP, SPOILT_FLAT, SPOILT_WAYS };
 static const char *const spoilt_names[SPOILT_WAYS] = {"flipped", "open", "doubled", "overlapping", "touching", "soup", "with a flat triangle"};
 
+/* Thin, so that few voxels of the 256 along the longest axis are near it. */
+static void squeeze(void)
+{
+    for (size_t i = 0; i < 3 * mesh.vertices; i++)
+        if (i % 3 != 0) mesh.p[i] = 8 + (mesh.p[i] - 8) / 8;
+}
+
 static void spoil(int way)
 {
     static const double low[3] = {5, 5, 5}, high[3] = {11, 11, 11};
@@ -117,6 +124,7 @@ static void spoil(int way)
         maker_clear(&mesh);
         maker_soup(&mesh, &seed, 40, low, high, 1024);
     }
+    squeeze();
 }
 
 static void test_what_is_not_sound_is_measured(void)
@@ -141,9 +149,10 @@ static void test_what_is_not_sound_is_measured(void)
         if (way == SPOILT_OPEN || way == SPOILT_FLIPPED || way == SPOILT_DOUBLED || way == SPOILT_FLAT) {
             bvx_certificate whole;
             make_shape(shape_named("sphere"));
+            squeeze();
             view = maker_view(&mesh);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &whole));
-            TEST_ASSERT_TRUE_MESSAGE(fabs(certificate_of(&level[0]).volume - whole.volume) < 0.02 * whole.volume, where);
+            TEST_ASSERT_TRUE_MESSAGE(fabs(certificate_of(&level[0]).volume - whole.volume) < 0.03 * whole.volume, where);
         }
     }
 }
