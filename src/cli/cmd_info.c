@@ -63,11 +63,29 @@ static void say_attributes(cli_run *run, const bvx_mesh *mesh)
         cli_say(run, "  texture     coordinates of %s\n", mesh->uv_triangles != NULL ? "triangles' corners" : "vertices");
 }
 
+static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)
+{
+    bvx_mesh_view view;
+    bvx_status status;
+
+    if (!run->options.count_crossings) return CLI_DONE;
+
+    bvx_mesh_view_of(mesh, &view);
+    cli_stage_begin(run, "crossings");
+    status = bvx_mesh_crossings(run->context, &view, &entry->crossings, NULL, 0);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+
+    entry->has_crossings = 1;
+    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+}
+
 static int info_of_mesh(cli_run *run, const bvx_mesh *mesh)
 {
     static bvx_certificate certificate, welded; /* the report points at them until the program ends */
     cli_mesh_entry *const entry = &run->report.mesh[0];
     int differs, status = check_both(run, mesh, &certificate, &welded, &differs);
+    if (status == CLI_DONE) status = count_crossings(run, mesh, entry);
     if (status != CLI_DONE) return status;
     entry->path = run->options.input[0];
     entry->certificate = certificate;
@@ -82,6 +100,7 @@ static int info_of_mesh(cli_run *run, const bvx_mesh *mesh)
         cli_say(run, "the same with vertices at equal positions joined\n");
         say_certificate(run, &welded);
     }
+    if (entry->has_crossings) cli_say(run, "  crossings   %" PRIu64 " pairs of triangles\n", entry->crossings);
     return CLI_DONE;
 }
 
@@ -214,6 +233,8 @@ static int read_for_info(cli_run *run, cli_input *in)
     int kind, status = cli_input_kind(run, path, &kind);
     memset(in, 0, sizeof *in);
     if (status != CLI_DONE) return status;
+    if (run->options.count_crossings && kind != CLI_MESH)
+        return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
     return kind == CLI_GRID ? cli_read_grid_or_tree(run, path, NULL, in) : cli_read_input(run, path, in);
 }
 
@@ -233,4 +254,5 @@ const cli_command cli_info = {
     "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
     ".vti .bvx) and tells its voxels, its lattice and the hash of both; or an octree (.bvx) and tells\n"
     "what each of its levels holds.",
-    "bitvox info fixtures/knot.ply", run_info};
+    "bitvox info fixtures/knot.ply\n"
+    "bitvox info fixtures/knot.ply --crossings --json", run_info};

@@ -29,18 +29,15 @@ static inline unsigned bvxi_cross_own(const double *const p[3], const double *co
 
 /* 1 when all of q's own corners lie strictly on one side of p's plane, for certain: then q meets that plane in no more than
  * what both have in common. 0 without own corners. */
-static inline int bvxi_cross_apart(const double *const p[3], const double *const q[3], unsigned own)
+static inline int bvxi_cross_apart(const bvxi_orient_plane *plane, const double *const q[3], unsigned own)
 {
-    bvxi_orient_plane plane;
     int side = 0;
-
-    bvxi_orient_plane_of(p, &plane);
 
     for (unsigned k = 0; k < 3; k++) {
         int s;
 
         if ((own >> k & 1) == 0) continue;
-        s = bvxi_orient_side(&plane, q[k]);
+        s = bvxi_orient_side(plane, q[k]);
         if (s == 0 || s == -side) return 0;
         side = s;
     }
@@ -48,14 +45,27 @@ static inline int bvxi_cross_apart(const double *const p[3], const double *const
     return side != 0;
 }
 
+/* As bvxi_triangles_cross, with the plane of p, for one that is held against many. */
+static inline int bvxi_triangles_cross_at(const bvxi_orient_plane *plane, const double *const p[3], const double *const q[3])
+{
+    bvxi_orient_plane other;
+
+    if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
+
+    bvxi_orient_plane_of(q, &other);
+    if (bvxi_cross_apart(&other, p, bvxi_cross_own(q, p))) return 0;
+
+    return bvxi_triangles_cross_rest(p, q);
+}
+
 /* 1 when the triangles cross, 0 when not: exact for all finite doubles (orient.h says what flushed subnormals change), the
  * same for both orders of the triangles and all orders of their corners. */
 static inline int bvxi_triangles_cross(const double *const p[3], const double *const q[3])
 {
-    if (BVXI_LIKELY(bvxi_cross_apart(p, q, bvxi_cross_own(p, q)))) return 0;
-    if (bvxi_cross_apart(q, p, bvxi_cross_own(q, p))) return 0;
+    bvxi_orient_plane plane;
 
-    return bvxi_triangles_cross_rest(p, q);
+    bvxi_orient_plane_of(p, &plane);
+    return bvxi_triangles_cross_at(&plane, p, q);
 }
 
 #endif

@@ -41,6 +41,7 @@ typedef struct crossings_four {
     const uint32_t *index; /* of the triangles in the mesh */
     int count;
     double position[BVXI_CLOSEST_WIDTH][3][3];
+    bvxi_orient_plane plane[BVXI_CLOSEST_WIDTH]; /* of the four whose turn it is */
 } crossings_four;
 
 /* ---- Triangles along the curve ---- */
@@ -98,17 +99,15 @@ static void crossings_corners(void *user, int32_t index, int32_t worker)
 /* Bit k: the box given meets box k of the node, of its first count ones. */
 static unsigned crossings_boxes_met(const bvxi_closest_node *node, int count, const float low[3], const float high[3])
 {
-    unsigned met = 0;
+    uint32_t x[BVXI_CLOSEST_WIDTH], y[BVXI_CLOSEST_WIDTH], z[BVXI_CLOSEST_WIDTH];
 
-    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) {
-        int const x = (node->low[0][k] <= high[0]) & (low[0] <= node->high[0][k]);
-        int const y = (node->low[1][k] <= high[1]) & (low[1] <= node->high[1][k]);
-        int const z = (node->low[2][k] <= high[2]) & (low[2] <= node->high[2][k]);
+    /* One axis a loop, four boxes side by side: compilers make vector code of it. */
+    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) x[k] = (node->low[0][k] <= high[0]) & (low[0] <= node->high[0][k]);
+    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) y[k] = (node->low[1][k] <= high[1]) & (low[1] <= node->high[1][k]);
+    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) z[k] = (node->low[2][k] <= high[2]) & (low[2] <= node->high[2][k]);
+    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) x[k] = (x[k] & y[k] & z[k]) << k;
 
-        met |= (unsigned)(x & y & z) << k;
-    }
-
-    return met & ((1u << count) - 1);
+    return (x[0] | x[1] | x[2] | x[3]) & ((1u << count) - 1);
 }
 
 static void crossings_box_of(const bvxi_closest_node *node, int k, float low[3], float high[3])
@@ -123,17 +122,15 @@ static void crossings_box_of(const bvxi_closest_node *node, int k, float low[3],
 static int crossings_pair(const crossings_four *a, int i, const crossings_four *b, int k)
 {
     const uint32_t *const u = a->corner + 3 * i, *const v = b->corner + 3 * k;
-    const double *p[3], *q[3];
+    const double(*const t)[3] = a->position[i];
+    const double *const p[3] = {t[0], t[1], t[2]}, *q[3];
 
     if (u[0] == CROSSINGS_NO_VERTEX || v[0] == CROSSINGS_NO_VERTEX) return 0;
 
     /* The test knows common corners by their pointers. */
-    for (int j = 0; j < 3; j++) {
-        p[j] = a->position[i][j];
-        q[j] = v[j] == u[0] ? a->position[i][0] : v[j] == u[1] ? a->position[i][1] : v[j] == u[2] ? a->position[i][2] : b->position[k][j];
-    }
+    for (int j = 0; j < 3; j++) q[j] = v[j] == u[0] ? t[0] : v[j] == u[1] ? t[1] : v[j] == u[2] ? t[2] : b->position[k][j];
 
-    return bvxi_triangles_cross(p, q);
+    return bvxi_triangles_cross_at(&a->plane[i], p, q);
 }
 
 /* Count the crossings between two fours, or of one four with itself; write them to keys where that is not NULL. */
@@ -175,6 +172,11 @@ static uint64_t crossings_of_four(const crossings_job *job, uint64_t four, uint6
     int depth = 0;
 
     crossings_open_four(job, four, &a);
+    for (int i = 0; i < a.count; i++) {
+        const double *const t[3] = {a.position[i][0], a.position[i][1], a.position[i][2]};
+
+        bvxi_orient_plane_of(t, &a.plane[i]);
+    }
     found = crossings_of_fours(&a, &a, keys);
 
     crossings_box_of(a.boxes, 0, low, high);

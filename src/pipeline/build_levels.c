@@ -14,7 +14,8 @@ enum {
     PLAN_RATIO = 16,     /* triangles of the measured surface to one of the finest level */
     PLAN_LEAST = 256,    /* voxels along the longest axis */
     PLAN_MOST = 512,
-    SHARP_MOST = 500000  /* meshes of more triangles are scans */
+    SHARP_MOST = 500000, /* meshes of more triangles are scans */
+    SCAN_RATIO = 24      /* and are measured where they have this many triangles to one of the finest level */
 };
 
 /* A piece that the input has none for, and that is a smaller share of the volume than this, is a crumb. */
@@ -371,6 +372,9 @@ static bvx_status levels_steps(levels_job *job, const bvx_mesh_view *welded)
     if (o->source == BVX_LEVELS_MEASURED || wants_measured(o) || !c->closed || !c->edge_manifold || !c->vertex_manifold || !c->oriented ||
         c->degenerate != 0)
         return simplify_measured(job, welded);
+
+    /* The measured surface of a large scan has fewer triangles to collapse, and none of the tiny handles that scans have. */
+    if (c->triangles > SHARP_MOST && c->triangles / SCAN_RATIO > finest_of(o, job->chain.count, c->triangles)) return simplify_measured(job, welded);
 
     BVXI_TRY(bvx_mesh_crossings(job->ctx, welded, &crossings, NULL, 0));
     job->report.crossings = crossings;

@@ -6,11 +6,14 @@
  * ends at neighbours of which one keeps the target and the next does not. With collapse the search aims higher and edges
  * go until the target is kept (collapse.c). */
 #include "grid/downsample.h"
-#include "mesh/collapse.h"
 #include "mesh/mesh.h"
+#include "simplify/simplify.h"
 #include "surface/march.h"
 
 #include <math.h>
+
+/* Pull to even triangles, as the default of bvx_simplify_options. */
+#define LOD_EVEN 0.000001
 
 static const char lod_name[] = "bvx_build_lods";
 static const bvx_lod_options lod_defaults = {
@@ -143,46 +146,43 @@ static void report_level(const lod_job *job, const level_work *w, const bvx_mesh
     report->exceeds_source = job->options->source_triangles != 0 && mesh->triangle_count > job->options->source_triangles;
 }
 
-/* Positions from doubles in the lattice's own frame to the type and frame asked for, rounded once. */
-static void move_positions(const lod_job *job, const bvx_lattice *lattice, const bvx_mesh *from, bvx_mesh *mesh)
+/* Collapse the edges of a level that was made with more triangles than it may have. */
+static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx_mesh *fine, bvx_mesh *mesh)
 {
-    const double *const p = from->positions;
-    int const local = job->options->local_frame;
-    for (uint64_t i = 0; i < 3 * from->vertex_count; i++) {
-        double const value = local ? p[i] : lattice->origin[i % 3] + p[i];
-        if (mesh->position_type == BVX_F32) ((float *)mesh->positions)[i] = (float)value;
-        else ((double *)mesh->positions)[i] = value;
-    }
-    memcpy(mesh->triangles, from->triangles, (size_t)from->triangle_count * 12);
-    memset(mesh->frame, 0, sizeof mesh->frame);
-    if (local) memcpy(mesh->frame, lattice->origin, sizeof mesh->frame);
+    bvxi_collapse_options const options = {.position_type = fine->position_type, .even = LOD_EVEN};
+    uint64_t const target = job->options->target_triangles[job->level];
+    bvxi_collapse *collapse = NULL;
+    bvx_mesh_view view;
+    bvx_status status;
+
+    bvx_mesh_view_of(fine, &view);
+    BVXI_TRY(bvxi_collapse_open(ctx, lod_name, &view, &options, &collapse));
+    status = bvxi_collapse_to(collapse, target, 0.0, 1.0);
+    if (status == BVX_OK && bvxi_collapse_triangles(collapse) > target)
+        status = bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; collapsing its %u ends at %u", lod_name,
+                           job->level, target, fine->triangle_count, bvxi_collapse_triangles(collapse));
+    if (status == BVX_OK) status = bvxi_collapse_give(collapse, mesh);
+    if (status == BVX_OK) memcpy(mesh->frame, fine->frame, sizeof mesh->frame);
+    bvxi_collapse_close(collapse);
+    return status;
 }
 
-/* Extract in doubles relative to the lattice, into scratch; collapse to the target; hand over. */
+/* Extract into scratch, with the positions that the level will have; collapse to the target. */
 static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_march *march, bvx_mesh *mesh)
 {
-    uint64_t const target = job->options->target_triangles[job->level];
-    bvx_mesh fine = {0};
+    uint64_t const vertex_bytes = job->options->position_type == BVX_F64 ? 24 : 12;
+    bvx_mesh fine = {.position_type = job->options->position_type,
+                     .vertex_capacity = march->vertex_count,
+                     .triangle_capacity = march->triangle_count};
     bvx_status status;
-    march->options.position_type = fine.position_type = BVX_F64;
-    march->options.local_frame = 1;
-    memset(march->origin, 0, sizeof march->origin);
-    fine.vertex_capacity = march->vertex_count;
-    fine.triangle_capacity = march->triangle_count;
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.vertex_capacity * 24, "the positions before collapse", &fine.positions);
+
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.vertex_capacity * vertex_bytes, "the positions before collapse", &fine.positions);
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.triangle_capacity * 12, "the triangles before collapse", &fine.triangles);
     if (status == BVX_OK) status = bvxi_march_fill(ctx, march, &fine);
-    if (status == BVX_OK)
-        status = bvxi_collapse(ctx, fine.positions, &fine.vertex_count, fine.triangles, &fine.triangle_count, target);
-    if (status == BVX_OK && fine.triangle_count > target)
-        status = bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; collapsing its %u ends at %u", lod_name,
-                           job->level, target, march->triangle_count, fine.triangle_count);
-    if (status == BVX_OK)
-        status = bvxi_mesh_open(ctx, lod_name, job->options->position_type, 0, fine.vertex_count, fine.triangle_count, mesh);
-    if (status == BVX_OK) move_positions(job, &march->grid->lattice, &fine, mesh);
+    if (status == BVX_OK) status = collapse_level(ctx, job, &fine, mesh);
     bvxi_free(ctx, fine.triangles, fine.triangle_capacity * 12);
-    bvxi_free(ctx, fine.positions, fine.vertex_capacity * 24);
+    bvxi_free(ctx, fine.positions, fine.vertex_capacity * vertex_bytes);
     return status;
 }
 

@@ -19,7 +19,7 @@
 
 #include <math.h>
 
-enum { COLLAPSE_REPORT = 1024, COLLAPSE_CURVE_BITS = 21, COLLAPSE_BATCH = 4096, COLLAPSE_LATER = 2 * BVXI_QUEUE_OCTAVE };
+enum { COLLAPSE_REPORT = 1024, COLLAPSE_CURVE_BITS = 21, COLLAPSE_BATCH = 512, COLLAPSE_FAR = 3, COLLAPSE_NEAR = 65536, COLLAPSE_LATER = 2 * BVXI_QUEUE_OCTAVE };
 
 struct bvxi_collapse {
     bvx_context *ctx;
@@ -278,8 +278,11 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
         if (c->mesh.left <= c->packed / 2 || bvxi_queue_room(&c->queue) < BVXI_STAR_MOST) pack_collapse(c);
 
         /* Far from the target the order of space saves time, near it the order of cost decides what is seen. */
-        c->queue.batch = c->mesh.left > target + target / 2 ? COLLAPSE_BATCH : INT32_MAX;
+        c->queue.batch = c->mesh.left > COLLAPSE_FAR * target && c->mesh.left > COLLAPSE_NEAR ? COLLAPSE_BATCH : INT32_MAX;
         if (bvxi_queue_take(&c->queue, &entry)) {
+            int32_t const soon = bvxi_queue_soon(&c->queue);
+
+            if (soon >= 0) BVXI_PREFETCH(&c->mesh.triangle[soon >> 2]);
             try_edge(c, &entry);
             continue;
         }

@@ -12,7 +12,7 @@
 
 enum {
     BVXI_QUEUE_OCTAVE = 64,                        /* fine buckets that a doubled cost lies further on */
-    BVXI_QUEUE_SPAN = 32,                          /* fine buckets to a coarse one */
+    BVXI_QUEUE_SPAN = 256,                         /* fine buckets to a coarse one */
     BVXI_QUEUE_FINE = 256 * BVXI_QUEUE_OCTAVE,
     BVXI_QUEUE_COARSE = BVXI_QUEUE_FINE / BVXI_QUEUE_SPAN,
     BVXI_QUEUE_HEADS = BVXI_QUEUE_COARSE + BVXI_QUEUE_SPAN,
@@ -107,6 +107,13 @@ static inline void bvxi_queue_put(bvxi_queue *q, const bvxi_queue_entry *entry)
     }
     bvxi_queue_push(q, BVXI_QUEUE_COARSE + fine, entry);
     if (fine < q->fine) q->fine = fine;
+}
+
+/* The corner of an entry that comes soon, most likely; else -1. */
+static inline int32_t bvxi_queue_soon(const bvxi_queue *q)
+{
+    int32_t const at = q->fine < BVXI_QUEUE_SPAN ? q->head[BVXI_QUEUE_COARSE + q->fine] : BVXI_QUEUE_NONE;
+    return at != BVXI_QUEUE_NONE && q->chunk[at].count > 3 ? q->chunk[at].entry[q->chunk[at].count - 3].corner : -1;
 }
 
 /* Take one of the cheapest entries; 0 when there is none. */

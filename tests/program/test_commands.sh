@@ -88,8 +88,16 @@ holds 'info: neither' sh -c '! grep -q -E "colours|texture" out'
 reports 'info --json: colours' 'r["meshes"][0]["colours"] is True and r["meshes"][0]["texture_coordinates"] is False' info red_blue.obj
 reports 'info --json: texture coordinates' 'r["meshes"][0]["colours"] is False and r["meshes"][0]["texture_coordinates"] is True' info uv.obj
 
+printf 'v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 -1\nv 1 1 1\nv 2 1 1\nf 1 2 3\nf 4 5 6\nf 1 2 6\n' >crossing.obj
+works 'info --crossings' info crossing.obj --crossings
+holds 'info: pairs that cross' says '^  crossings +1 pairs of triangles'
+reports 'info --json: pairs that cross' 'r["meshes"][0]["crossings"] == 1' info crossing.obj --crossings
+reports 'info --json: no pair crosses' 'r["meshes"][0]["crossings"] == 0' info plain.obj --crossings
+reports 'info --json: crossings are not counted' '"crossings" not in r["meshes"][0]' info crossing.obj
+
 works 'voxelize' voxelize plain.obj -o box.npy --spacing 0.25 --padding 2
 holds 'voxelize writes a side-car' test -s box.npy.json
+refuses 2 'box.npy is not a mesh' info box.npy --crossings
 works 'info of a grid' info box.npy
 holds 'info: dims' says '^  dims +12 x 8 x 8$'
 holds 'info: voxels and share' says '^  voxels +128 set, 16.7 % of all$'

@@ -262,6 +262,21 @@ def test_closest_against_brute_force():
     assert closest.find([0.0, 0.0, 0.0])["feature"][0] >= 4
 
 
+def test_crossings(tetrahedron):
+    v, f = np.asarray(tetrahedron[0], float), np.asarray(tetrahedron[1])
+    assert bitvox.Mesh(v, f).crossings().shape == (0, 2)
+    assert bitvox.Mesh(np.zeros((3, 3)), np.zeros((0, 3), np.uint32)).crossings().shape == (0, 2)
+    twice = bitvox.Mesh(np.concatenate([v, v + 0.125]), np.concatenate([f, f + len(v)]))
+    pairs = twice.crossings(threads=2)
+    assert pairs.dtype == np.uint32 and pairs.shape[1] == 2 and len(pairs) > 2
+    assert (pairs[:, 0] < len(f)).all() and (pairs[:, 1] >= len(f)).all()
+    assert pairs.tolist() == sorted(pairs.tolist())
+    same = bitvox.Mesh(v, np.concatenate([f, f[:1, ::-1]])).crossings()
+    assert same.tolist() == [[0, len(f)]]
+    with pytest.raises(bitvox.RangeError):
+        bitvox.Mesh(np.where(v == 0, v, np.inf), f).crossings()
+
+
 def test_normals():
     ball = bitvox.surface(ball_grid(), dtype="float64")
     vertices, facets = ball.normals()

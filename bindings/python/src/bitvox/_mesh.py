@@ -274,6 +274,26 @@ class Mesh:
             run.check(lib.bvx_mesh_check(run.context, self._view(run), int(bool(weld)), out))
         return record(out)
 
+    def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
+        """Pairs of faces that cross: that have a common point which is neither a common vertex nor on a common edge.
+
+        Vertices at equal positions are one. Touching is crossing, and so is an overlap in one plane or a face that is there
+        twice; faces without area are left out. Exact, without a tolerance.
+
+        Returns:
+            An (n, 2) uint32 array of face indices, the lower one first, in ascending order.
+        """
+        np = arrays.numpy("Mesh.crossings")
+        count = ffi.new("uint64_t *")
+        with Run(threads, memory_limit, progress) as run:
+            view = self._view(run)
+            run.check(lib.bvx_mesh_crossings(run.context, view, count, ffi.NULL, 0))
+            pairs = np.empty((count[0], 2), np.uint32)
+            if len(pairs):
+                pointer = ffi.cast("uint32_t *", arrays.address(pairs))
+                run.check(lib.bvx_mesh_crossings(run.context, view, count, pointer, len(pairs)))
+        return pairs
+
     def normals(self, *, averaged: bool = False) -> tuple[Any, Any]:
         """Normals of length 1: (n, 3) of the vertices, facets counted by their areas, and (m, 3) of the facets; float32.
 
@@ -286,6 +306,23 @@ class Mesh:
             run.check(lib.bvx_mesh_normals(run.context, self._view(run), int(bool(averaged)),
                                            ffi.cast("float *", arrays.address(vertices)), ffi.cast("float *", arrays.address(facets))))
         return vertices, facets
+
+    def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
+                 error_kind: str | None = None, count: int | None = None, even: float | None = None, strict: bool = False,
+                 samples: int | None = None, carry: bool = False, dtype: Any = None, threads: int | None = None,
+                 memory_limit: int | None = None, progress: Progress = None) -> Any:
+        """Fewer triangles for a closed, manifold, oriented mesh, by collapsing the edges that cost least.
+
+        Args:
+            triangles, error, error_kind, count, even, strict, samples, carry, dtype: as for `bitvox.simplify`.
+
+        Returns:
+            A `Mesh` for one target, a list for several.
+        """
+        from ._levels import simplify
+
+        return simplify(self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, strict=strict,
+                        samples=samples, carry=carry, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def content_hash(self) -> int:
         """The library's hash of type, counts, frame, vertices and triangles: the same on every machine."""
