@@ -36,6 +36,7 @@ enum {
     CLI_BOOLEAN = 1 << 10,
     CLI_MORPH = 1 << 16,
     CLI_COMPONENTS = 1 << 19,
+    CLI_SIMPLIFY = 1 << 20,
     CLI_ALL = 0x7fffffff
 };
 
@@ -80,6 +81,13 @@ typedef struct cli_triple {
     double value[3];
 } cli_triple;
 
+/* Distances, each in the mesh's unit or in percent of its diagonal. */
+typedef struct cli_errors {
+    int count;
+    double value[CLI_MAX_LEVELS];
+    int32_t percent[CLI_MAX_LEVELS];
+} cli_errors;
+
 enum { CLI_BAR_AUTO = 0, CLI_BAR_DRAW = 1, CLI_BAR_JSON = 2, CLI_BAR_NONE = 3 };
 
 /* Zero stands for "not given" unless said otherwise. */
@@ -97,7 +105,12 @@ typedef struct cli_options {
     cli_triple origin, from, up;
     int32_t padding;
     int32_t fill;               /* BVX_FILL_... */
-    int32_t method;             /* BVX_LOD_... */
+    int32_t method;             /* BVX_LOD_... or CLI_METHOD_COLLAPSE */
+    cli_errors errors;          /* of levels that edges collapse to, and what else these need: */
+    int32_t error_kind;         /* BVX_ERROR_... */
+    int32_t count, source;      /* source: BVX_LEVELS_... */
+    int32_t no_sharp, outer_hull, strict;
+    double even;
     double threshold;
     int32_t edge_samples;
     double collapse;
@@ -151,6 +164,9 @@ typedef struct cli_options {
     cli_triple voxel_size;
 } cli_options;
 
+/* The method of lod that is neither of BVX_LOD_... */
+enum { CLI_METHOD_COLLAPSE = 3 };
+
 /* What voxelize sets: the solid, or 1 + BVX_SURFACE_...; or distances in place of voxels. */
 enum { CLI_MODE_SOLID = 0, CLI_MODE_CONSERVATIVE = 1, CLI_MODE_THIN = 2, CLI_MODE_SAMPLED = 3, CLI_MODE_FIELD = 4 };
 
@@ -170,6 +186,7 @@ typedef enum cli_kind {
     CLI_SLICES, /* cli_sheet, count from low to high */
     CLI_FILE,   /* const char *, the name of a file */
     CLI_NUMBER, /* double, any */
+    CLI_ERRORS, /* cli_errors, 1 to most of them */
     CLI_SET,    /* int32_t, a bit for each name of a list: base << the place among the names */
     CLI_TEXT    /* const char *, any text but none */
 } cli_kind;
@@ -238,7 +255,9 @@ typedef struct cli_mesh_entry {
     int has_crossings;                    /* they were counted */
     uint64_t crossings;
     const bvx_lod_report *lod;            /* or NULL */
-    double milliseconds, rate;            /* beside lod */
+    const bvx_level_report *level;        /* or NULL */
+    double milliseconds, rate;            /* milliseconds beside lod, rate beside both */
+    const char *source;                   /* beside level: what it was made from, "mesh" or "measured" */
     const bvx_distance_report *distance;  /* to the input, or NULL */
 } cli_mesh_entry;
 
@@ -471,12 +490,63 @@ void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
 /* Say what a format leaves out of a window's grid. */
 void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
 
-/* ---- mesh_output.c ---- */
+/* ---- mesh_output.c: meshes as files ---- */
 
+/* A pattern with its %d replaced, to be freed; NULL without memory. */
+char *cli_numbered_path(const char *pattern, int64_t number);
+/* Refuse an ending that stands for no mesh format. */
+int cli_check_mesh_name(cli_run *run, const char *path);
+/* Refuse a name without %d for several levels (count 0: several in any case), but for one .glb, which may hold them. */
+int cli_check_level_names(cli_run *run, int count);
+/* Refuse --carry to a format that holds nothing to carry, or of a mesh that has nothing. */
+int cli_check_carry_name(cli_run *run);
+int cli_check_carry(cli_run *run, const bvx_mesh *mesh);
 /* Refuse --normals for a format without. */
 int cli_check_normals(cli_run *run);
-/* Write the mesh as run->options.output, which is open, and keep it; --normals adds the normals of vertices. */
+/* What of a mesh a format cannot hold, as a warning. */
+void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
+/* Write the mesh as the output of this number, which is open, but do not keep it; --normals adds the normals of vertices. */
+int cli_write_mesh_as(cli_run *run, const bvx_mesh *mesh, int number, const char *path);
+/* The same as run->options.output, and keep it. */
 int cli_write_mesh(cli_run *run, const bvx_mesh *mesh);
+
+/* Open an output for each level; path receives their names, the first one for all where one file holds them. */
+int cli_open_levels(cli_run *run, int count, char **path);
+/* Write all levels to these outputs and keep them. */
+int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path);
+
+/* ---- reduce.c: --triangles and --error of commands that make one mesh ---- */
+
+typedef struct cli_reduction {
+    int done;               /* fewer triangles were asked for and made */
+    uint64_t before;        /* triangles */
+    bvx_level_report level;
+} cli_reduction;
+
+/* 1 when --triangles or --error is given. */
+int cli_reduces(const cli_run *run);
+/* Refuse both together. */
+int cli_check_reduction(cli_run *run);
+/* Refuse each of them, with the reason behind its name. */
+int cli_refuse_reduction(cli_run *run, const char *why);
+/* The edges of a closed mesh collapse, where that is asked for. */
+int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
+/* What became of it: a line of text, a member of the JSON report. */
+void cli_tell_reduction(cli_run *run, const cli_reduction *r);
+
+/* ---- level_tables.c: what is told of levels ---- */
+
+/* 1 when a mesh is closed, manifold and oriented. */
+int cli_is_sound(const bvx_certificate *certificate);
+/* The first line: the input's triangles, whether it is sound, its diagonal. */
+void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *certificate, double diagonal);
+/* The report's levels that edges collapsed to: triangles, targets, what they are. */
+void cli_say_collapsed(cli_run *run, int count, double diagonal);
+/* The distances of the report's meshes to the input; to says what that is where it is no mesh, unit_of whose unit they have;
+ * decimals of percent. */
+void cli_say_distances(cli_run *run, int count, double diagonal, int decimals, const char *to, const char *unit_of);
+/* The files' names. */
+void cli_say_written(cli_run *run, int count);
 
 /* ---- field_output.c: distances as files; voxelize --mode field ---- */
 
@@ -593,14 +663,12 @@ const cli_command *cli_command_at(int i);
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
 extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill,
-    cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph, cli_components;
+    cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph, cli_components, cli_simplify;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
-/* cmd_lod.c: a pattern with its %d replaced, to be freed; NULL without memory. */
-char *cli_numbered_path(const char *pattern, int64_t number);
-/* cmd_lod.c: what of a mesh a format cannot hold, as a warning. */
-void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
+/* cmd_repair.c: the numbers of a repair as a member of the JSON report. */
+void cli_report_repair(cli_run *run, const bvx_repair_report *repair, int measured);
 
 /* ---- blocks.c, pool.c ---- */
 

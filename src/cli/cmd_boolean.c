@@ -17,6 +17,7 @@ typedef struct boolean_run {
     bvx_mesh mesh;
     int by_mesh;             /* the mesh was made by bvx_boolean */
     bvx_boolean_report report;
+    cli_reduction reduction;
 } boolean_run;
 
 static const char *const operation_names[] = {"union", "intersection", "difference", "xor"};
@@ -54,6 +55,8 @@ static int check_boolean_options(cli_run *run, boolean_run *b)
         status = refuse_boolean_option(run, of_mesh[i], "is for two meshes that become a mesh");
     if (status == CLI_DONE && grids == 2) status = refuse_boolean_option(run, "--fill", "is for meshes");
     if (status == CLI_DONE && grids != 2) status = refuse_boolean_option(run, "--resample", "is for two grids");
+    if (status == CLI_DONE && b->kind == CLI_GRID) status = cli_refuse_reduction(run, "is for a mesh; the result is a grid");
+    if (status == CLI_DONE) status = cli_check_reduction(run);
     if (status == CLI_DONE) status = cli_check_lattice(run);
     b->by_mesh = grids == 0 && b->kind == CLI_MESH;
     return status;
@@ -189,9 +192,14 @@ static int check_boolean_mesh(cli_run *run, boolean_run *b)
     cli_mesh_entry *const entry = &run->report.mesh[0];
     bvx_mesh_view view;
     bvx_status status;
+    int result;
+
     if (b->mesh.triangle_count == 0)
         return cli_fail(run, "%s and %s: nothing is left by %s, so there is no mesh to write", cli_input_name(b->in[0].path),
                         cli_input_name(b->in[1].path), operation_names[b->operation]);
+
+    result = cli_reduce(run, &b->mesh, &b->reduction);
+    if (result != CLI_DONE) return result;
     bvx_mesh_view_of(&b->mesh, &view);
     cli_stage_begin(run, "check");
     status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
@@ -229,6 +237,7 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
     cli_say(run, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
     cli_say(run, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1], run->report.set);
     if (b->kind != CLI_MESH) return;
+    cli_tell_reduction(run, &b->reduction);
     cli_say(run, "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64 " components, volume %.6g\n", c->triangles,
             c->vertices, c->closed ? ", closed" : ", OPEN", c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
             c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
@@ -258,8 +267,9 @@ const cli_command cli_boolean = {
     "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (.stl .obj .ply .off, also\n"
     "with .gz) become a closed, manifold, oriented mesh that does not cross itself (.ply .obj .stl .off .glb),\n"
     "its vertices on their surfaces, whatever is wrong with how they meet; what is thinner than a voxel may\n"
-    "be lost. Grids (.npy .binvox .vox .nrrd .vti .bvx) of one lattice are combined bit by bit; beside a grid a\n"
-    "mesh is voxelized on its lattice. The result is a mesh or a grid, as the ending of OUT says.",
+    "be lost. With --triangles or --error the edges of the result collapse. Grids (.npy .binvox .vox .nrrd .vti\n"
+    ".bvx) of one lattice are combined bit by bit; beside a grid a mesh is voxelized on its lattice. The result\n"
+    "is a mesh or a grid, as the ending of OUT says.",
     "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"
     "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"
     "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx", run_boolean};

@@ -2,10 +2,10 @@
 #include "cli/cli.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
-/* The numbers of the repair in the report's JSON. */
-static void add_repair_json(cli_run *run, const bvx_repair_report *r, int measured)
+void cli_report_repair(cli_run *run, const bvx_repair_report *r, int measured)
 {
     cli_text *const t = &run->report.more;
     cli_text_add(t, ", \"repair\": {\"sign\": \"%s\"", cli_sign_names[r->sign]);
@@ -54,7 +54,7 @@ static void say_found(cli_run *run, const bvx_repair_report *r)
     if (run->options.measure && r->overlaps != 0) cli_say(run, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
 }
 
-static void say_repaired(cli_run *run, const bvx_repair_report *r)
+static void say_repaired(cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction)
 {
     const bvx_lattice *const l = &r->lattice;
     const bvx_certificate *const c = &r->after;
@@ -63,13 +63,15 @@ static void say_repaired(cli_run *run, const bvx_repair_report *r)
     if (r->parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped, r->parts_dropped + r->parts_kept);
     if (r->cavities_dropped != 0)
         cli_say(run, "  filled      %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped, r->cavities_dropped + r->cavities_kept);
+    cli_tell_reduction(run, reduction);
     cli_say(run, "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64 " components, volume %.6g\n", c->triangles,
             c->vertices, c->closed ? ", closed" : ", OPEN", c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
             c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
     if (!run->options.measure) return;
-    cli_say(run, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g), off the caps %.3g (%.3g)\n",
-            r->distance.mean_a_to_b, r->distance.max_a_to_b, r->distance.mean_b_to_a, r->distance.max_b_to_a, r->mean_off_caps,
-            r->max_off_caps);
+    cli_say(run, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)", r->distance.mean_a_to_b,
+            r->distance.max_a_to_b, r->distance.mean_b_to_a, r->distance.max_b_to_a);
+    if (r->mean_off_caps < HUGE_VAL) cli_say(run, ", off the caps %.3g (%.3g)", r->mean_off_caps, r->max_off_caps);
+    cli_say(run, "\n");
 }
 
 static void take_repair_options(const cli_run *run, bvx_repair_options *o)
@@ -84,15 +86,12 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     if (cli_given(run, "--shell")) o->shell = c->shell;
     if (c->least_part > 0) o->least_part = (uint64_t)c->least_part;
     if (c->least_cavity > 0) o->least_cavity = (uint64_t)c->least_cavity;
-    if (c->triangles.count != 0) o->target_triangles = (uint64_t)c->triangles.value[0];
 }
 
 static int check_repair_options(cli_run *run)
 {
-    const char *const out = run->options.output;
-    if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH || cli_is_packed(out))
-        return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", out);
-    if (run->options.triangles.count > 1) return cli_usage(run, "--triangles: one number is wanted");
+    if (cli_check_mesh_name(run, run->options.output) != CLI_DONE) return CLI_USAGE;
+    if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
     return cli_check_normals(run);
 }
 
@@ -111,7 +110,33 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
         status = bvx_repair(run->context, &view, &o, repaired);
     }
     cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+}
+
+/* Edges of the result collapse; what was measured of it is measured again. */
+static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired, bvx_repair_report *report, cli_reduction *reduction)
+{
+    bvx_mesh_view from, to;
+    bvx_status status;
+    int const result = cli_reduce(run, repaired, reduction);
+
+    if (result != CLI_DONE || !reduction->done) return result;
+    report->after = reduction->level.certificate;
+    if (!run->options.measure) return CLI_DONE;
+
+    bvx_mesh_view_of(source, &from);
+    bvx_mesh_view_of(repaired, &to);
+    cli_stage_begin(run, "distance");
+    status = bvx_mesh_distance(run->context, &from, &to, report->distance.samples, report->distance.seed, &report->distance);
+    cli_stage_end(run);
+    report->mean_off_caps = report->max_off_caps = HUGE_VAL; /* not known of the fewer triangles */
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+}
+
+static int carry_attributes(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired)
+{
+    bvx_status status;
+
     if (!run->options.carry) return CLI_DONE;
     cli_stage_begin(run, "carry");
     status = bvx_mesh_carry(run->context, source, repaired);
@@ -128,23 +153,26 @@ static void report_repair(cli_run *run, const bvx_repair_report *report)
     entry->certificate = report->after;
     if (run->options.measure) entry->distance = &report->distance;
     run->report.meshes = 1;
-    add_repair_json(run, report, run->options.measure);
+    cli_report_repair(run, report, run->options.measure);
 }
 
 static int run_repair(cli_run *run)
 {
     static bvx_repair_report report; /* the run's report points into it */
+    cli_reduction reduction = {0};
     bvx_mesh source = {0}, repaired = {0};
     int status = check_repair_options(run);
     if (status == CLI_DONE) status = cli_open_output(run, run->options.output);
     if (status == CLI_DONE) status = cli_read_mesh(run, run->options.input[0], &source);
     if (status == CLI_DONE) status = repair_mesh(run, &source, &repaired, &report);
+    if (status == CLI_DONE) status = reduce_repaired(run, &source, &repaired, &report, &reduction);
+    if (status == CLI_DONE) status = carry_attributes(run, &source, &repaired);
     if (status == CLI_DONE) report_repair(run, &report);
     if (status == CLI_DONE) status = cli_write_mesh(run, &repaired);
     if (status == CLI_DONE) {
         cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
         say_found(run, &report);
-        say_repaired(run, &report);
+        say_repaired(run, &report, &reduction);
     }
     bvx_mesh_free(run->context, &repaired);
     bvx_mesh_free(run->context, &source);
@@ -156,5 +184,5 @@ const cli_command cli_repair = {
     "Reads a mesh (.stl .obj .ply .off, also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
     "flipped, doubled or crossing triangles - and writes one that is closed, manifold, oriented and does not\n"
     "cross itself (.ply .obj .stl .off .glb). Details below a voxel are lost; what encloses nothing, like a\n"
-    "single sheet, becomes a shell. With --triangles the resolution is searched for, up to --resolution.",
-    "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --measure", run_repair};
+    "single sheet, becomes a shell. With --triangles or --error the result's edges then collapse.",
+    "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure", run_repair};

@@ -14,6 +14,7 @@ typedef struct sections_job {
     bvx_mesh mesh;
     double seconds, block_seconds, block_volume;
     uint64_t blocks;
+    cli_reduction reduction;
 } sections_job;
 
 static int is_contour_format(int32_t format)
@@ -31,6 +32,8 @@ static int check_sections_options(cli_run *run)
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", o->output);
     if (cli_given(run, "--close-gap") && format != BVX_FORMAT_CSV)
         return cli_usage(run, "--close-gap is for .csv; loops of .csl are closed by their format");
+    if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
+    if (o->caps == BVX_CAPS_OPEN && cli_refuse_reduction(run, "needs a closed body, not --caps open") != CLI_DONE) return CLI_USAGE;
     if (cli_given(run, "--grid") && cli_given(run, "--spacing")) return cli_usage(run, "--grid and --spacing contradict each other");
     if ((o->block_model != NULL) != (o->block.given != 0)) return cli_usage(run, "--block-model and --block go together");
     if (o->block_model != NULL) {
@@ -92,6 +95,15 @@ static int build_body(cli_run *run, sections_job *job)
     entry->path = o->output;
     run->report.meshes = 1;
     return CLI_DONE;
+}
+
+/* Edges of the body collapse after its blocks are counted, which are those of the contours. */
+static int reduce_body(cli_run *run, sections_job *job)
+{
+    int const result = cli_reduce(run, &job->mesh, &job->reduction);
+
+    if (result == CLI_DONE && job->reduction.done) run->report.mesh[0].certificate = job->reduction.level.certificate;
+    return result;
 }
 
 /* ---- blocks ---- */
@@ -209,6 +221,7 @@ static void say_body(cli_run *run, const sections_job *job)
     if (r->crossed_cells != 0) cli_say(run, "  crossed     in %" PRIu64 " cells triangles cross each other\n", r->crossed_cells);
     cli_say(run, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances, r->samples,
             r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
+    cli_tell_reduction(run, &job->reduction);
     cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n", c->triangles, c->vertices, c->components,
             c->components == 1 ? "" : "s", verdict(c));
     cli_say(run, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
@@ -275,6 +288,7 @@ static int run_sections(cli_run *run)
     if (status == CLI_DONE) status = read_contours(run, &job.sections);
     if (status == CLI_DONE) status = build_body(run, &job);
     if (status == CLI_DONE && run->options.block_model != NULL) status = make_blocks(run, &job, &blocks);
+    if (status == CLI_DONE) status = reduce_body(run, &job);
     if (status == CLI_DONE) status = write_outputs(run, &job, &blocks);
     if (status == CLI_DONE) {
         if (job.report.unkept_edges + job.report.unkept_loops != 0)
@@ -297,6 +311,7 @@ const cli_command cli_sections = {
     "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
     "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"
     "second section at one position and a section alone are refused; sections, loops and points are\n"
-    "counted from 0. --block-model writes blocks with the share inside.",
+    "counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the body's\n"
+    "edges collapse in the end, and points of contours are no longer vertices.",
     "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
     "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1", run_sections};

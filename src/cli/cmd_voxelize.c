@@ -57,6 +57,7 @@ static int check_voxelize_options(cli_run *run, bvx_window *window)
     int kind = 0, status = cloud ? CLI_DONE : cli_input_kind(run, input, &kind);
     if (status == CLI_DONE && kind == CLI_GRID && cli_is_volume(run, input)) return check_volume(run, window);
     if (status == CLI_DONE) status = cli_check_grid_name(run, run->options.output);
+    if (status == CLI_DONE) status = cli_refuse_reduction(run, "is for a mesh made of a volume; the result is a grid");
     if (status == CLI_DONE) status = cli_check_lattice(run);
     if (status == CLI_DONE) status = check_mode(run);
     if (status == CLI_DONE) status = cli_check_field(run);
@@ -222,13 +223,13 @@ const cli_command cli_voxelize = {
     "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.\n"
     "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT is a\n"
     "mesh (.ply .obj .stl .off .glb) it becomes their closed surface: of --level by the values between the\n"
-    "samples, else at the middle between set and empty ones; --all-labels writes one a label. Samples that\n"
-    "are NaN or infinite are outside, and counted.\n\n"
+    "samples, else at the middle between set and empty ones; --all-labels writes one a label, and edges\n"
+    "collapse with --triangles or --error. Samples that are NaN or infinite are outside, and counted.\n\n"
     "Of a cloud of points (.xyz, or .ply without faces) the voxels that hold points are set, with --body\n"
     "also what lies behind them.",
     "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128\n"
     "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin\n"
     "bitvox voxelize fixtures/knot.ply -o distance.vti --mode field --resolution 64\n"
-    "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120\n"
+    "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120 --triangles 2000\n"
     "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels\n"
     "bitvox voxelize fixtures/ball.xyz -o ball.bvx --spacing 0.1 --body --close-gaps 1", run_voxelize};

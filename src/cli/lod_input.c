@@ -130,12 +130,7 @@ static int open_mesh(cli_run *run, cli_chain *c)
 {
     int const status = cli_read_mesh(run, run->options.input[0], &c->input);
     if (status != CLI_DONE) return status;
-    if (run->options.carry && c->input.colours == NULL && c->input.uvs == NULL)
-        return cli_usage(run, "%s has neither colours nor texture coordinates that --carry could carry",
-                         cli_input_name(run->options.input[0]));
-    if (run->options.carry && c->input.colours == NULL && bvx_format_of_name(run->options.output) == BVX_FORMAT_OFF)
-        return cli_usage(run, "%s: .off holds no texture coordinates, and %s has no colours for --carry", run->options.output,
-                         cli_input_name(run->options.input[0]));
+    if (cli_check_carry(run, &c->input) != CLI_DONE) return CLI_USAGE;
     c->input_triangles = c->input.triangle_count;
     bvx_mesh_view_of(&c->input, &c->view);
     return make_solid(run, c);

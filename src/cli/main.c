@@ -15,7 +15,7 @@
 #include <unistd.h>
 #endif
 
-static const cli_command *const commands[] = {&cli_lod, &cli_info, &cli_voxelize, &cli_repair, &cli_fill, &cli_morph, &cli_components, &cli_refine, &cli_sections,
+static const cli_command *const commands[] = {&cli_lod, &cli_simplify, &cli_info, &cli_voxelize, &cli_repair, &cli_fill, &cli_morph, &cli_components, &cli_refine, &cli_sections,
                                              &cli_slice, &cli_boolean, &cli_faces, &cli_convert, &cli_compare, &cli_render};
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };

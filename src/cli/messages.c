@@ -94,7 +94,7 @@ int cli_fail_status(cli_run *run, bvx_status status, const char *about)
     char text[sizeof run->report.error_message];
     const char *message = run->context != NULL ? without_function(bvx_last_message(run->context)) : "";
     if (status == BVX_CANCELLED) return cli_fail_interrupted(run);
-    if (strncmp(message, "level 0", 7) == 0) /* the library is asked for one level at a time; about tells which */
+    if (about != NULL && strncmp(about, "level ", 6) == 0 && strncmp(message, "level 0", 7) == 0) /* about tells which: it was asked for alone */
         message += message[7] == ',' || message[7] == ' ' ? 8 + (message[7] == ',') : 0;
     snprintf(text, sizeof text, "%s%s%s", about != NULL ? about : "", about != NULL ? ": " : "",
              message[0] != 0 ? message : bvx_status_text(status));

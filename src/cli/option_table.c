@@ -30,10 +30,17 @@
     {name, value, CLI_SET, commands, FIELD(field), 0, 0, 0, 0, names, base, help}
 #define FILE_NAME(name, value, commands, field, help) {name, value, CLI_FILE, commands, FIELD(field), 0, 0, 0, 0, NULL, 0, help}
 
+#define ERRORS(name, value, commands, field, most, help) \
+    {name, value, CLI_ERRORS, commands, FIELD(field), 0, 0, 1, most, NULL, 0, help}
+
 #define TAKES_VOLUMES (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)
+#define MAKES_LEVELS (CLI_LOD | CLI_SIMPLIFY)
+#define REDUCES (CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | CLI_VOXELIZE)
 
 /* In the order of their numbers. */
-static const char *const method_names[] = {"edge-ratio", "coverage", NULL};
+static const char *const method_names[] = {"edge-ratio", "coverage", "collapse", NULL};
+static const char *const error_names[] = {"mean", "max", NULL};
+static const char *const source_names[] = {"auto", "mesh", "measured", NULL};
 const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding", NULL};
 const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", "field", NULL};
 const char *const cli_sign_names[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none", NULL};
@@ -59,10 +66,12 @@ static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off"
 static const char *const contour_format_names[] = {"csl", "csv", NULL};
 
 static const cli_argument arguments[] = {
-    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH | CLI_COMPONENTS, output,
+    FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH | CLI_COMPONENTS | CLI_SIMPLIFY, output,
               "where the result goes; the ending tells the format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
-         "voxels along the longest axis [8 x the finest level, less where memory is short]"),
+         "voxels along the longest axis: the mesh's surface is measured with so\n"
+         "many, or a solid is made of them for --levels [collapse: as the finest\n"
+         "level needs; else 8 x the finest level, less where memory is short]"),
     LIST("--resolution", "N|X,Y,Z", CLI_VOXELIZE | CLI_FACES | CLI_MORPH, resolution, 1, LARGEST_SIDE, 1, 3,
          "voxels along the longest axis, or along each axis [256]"),
     LIST("--resolution", "N", CLI_BOOLEAN, resolution, 1, 16777216.0, 1, 1,
@@ -78,17 +87,36 @@ static const cli_argument arguments[] = {
     WHOLE("--padding", "N", CLI_VOXELIZE, padding, 0, 65536, "empty voxels added on every side [0; --mode field: the half-width]"),
     WHOLE("--padding", "N", CLI_LOD | CLI_FACES, padding, 0, 65536, "empty voxels added on every side [0]"),
     WHOLE("--padding", "N", CLI_MORPH, padding, 0, 65536, "empty voxels added on every side [0; dilate: what it reaches]"),
-    LIST("--levels", "A,B,C", CLI_LOD, levels, 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
-         "samples along the longest axis of each level [64,32,16]"),
     LIST("--triangles", "A,B,C", CLI_LOD, triangles, 1, 4294967295.0, 1, CLI_MAX_LEVELS,
-         "most triangles of each level, in place of --levels"),
-    CHOICE("--method", "NAME", CLI_LOD, method, method_names, BVX_LOD_EDGE_RATIO, "edge-ratio or coverage [edge-ratio]"),
+         "most triangles of each level"),
+    LIST("--triangles", "A,B,C", CLI_SIMPLIFY, triangles, 1, 4294967295.0, 1, CLI_MAX_LEVELS,
+         "most triangles, of each level where there are several [half]"),
+    ERRORS("--error", "A,B,C", MAKES_LEVELS, errors, CLI_MAX_LEVELS,
+           "largest distance of each level to the mesh, in its unit, or with % in\npercent of its diagonal: 0.05%,0.2%"),
+    CHOICE("--error-kind", "KIND", MAKES_LEVELS, error_kind, error_names, BVX_ERROR_MEAN,
+           "of --error: the mean of both ways, or max, the largest one [mean]"),
+    WHOLE("--count", "N", CLI_LOD, count, 1, CLI_MAX_LEVELS,
+          "levels of 1/2, 1/4, 1/8 ... of the triangles [4, or as many as leave\n20 triangles]"),
+    WHOLE("--count", "N", CLI_SIMPLIFY, count, 1, CLI_MAX_LEVELS, "levels of 1/2, 1/4, 1/8 ... of the triangles [1]"),
+    FLAG("--strict", MAKES_LEVELS, strict, "a level that cannot keep its target is an error: nothing is written"),
+    FROM_TO("--even", "W", MAKES_LEVELS, even, 0, 1, "pull to triangles of even size where the surface is flat [0.000001]"),
+    CHOICE("--source", "WHAT", CLI_LOD, source, source_names, BVX_LEVELS_AUTO,
+           "what levels are made from. mesh: the mesh itself, which must be closed,\nmanifold and oriented; measured: its surface, measured as repair does;\n"
+           "auto: the mesh where that gives whole levels [auto; measured with\n--resolution, --sign, --least-part, --least-cavity, --outer-hull]"),
+    FLAG("--sharp", CLI_LOD, sharp, "of the measured surface: put vertices on sharp edges and corners"),
+    FLAG("--no-sharp", CLI_LOD, no_sharp, "put none there [where many of the mesh's edges are sharp]"),
+    FLAG("--outer-hull", CLI_LOD, outer_hull, "inner shells and cavities go"),
+    CHOICE("--method", "NAME", CLI_LOD, method, method_names, BVX_LOD_EDGE_RATIO,
+           "collapse: edges of the mesh collapse; edge-ratio, coverage: samples of a\nsolid [collapse; edge-ratio for grids, volumes, and with --levels,\n"
+           "--threshold, --edge-samples, --collapse, --fill, --close-gaps, --padding]"),
+    LIST("--levels", "A,B,C", CLI_LOD, levels, 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
+         "edge-ratio, coverage: samples along the longest axis of each level\n[64,32,16]"),
     BETWEEN("--threshold", "T", CLI_LOD, threshold, 0, 1, "a sample above it is inside, 0 < T < 1 [0.5]"),
     WHOLE("--edge-samples", "N", CLI_LOD, edge_samples, 1, 65536,
           "steps along an edge, with --method edge-ratio [the ratio, rounded up]"),
     FROM_TO("--collapse", "F", CLI_LOD, collapse, 1, 64,
-            "with --triangles: make up to F times as many, then collapse the\n"
-            "cheapest edges; 2 to 4 comes much nearer to the mesh [off]"),
+            "edge-ratio, coverage with --triangles: make up to F times as many, then\n"
+            "collapse the cheapest edges; 2 to 4 comes much nearer to the mesh [off]"),
     CHOICE("--mode", "MODE", CLI_VOXELIZE, mode, cli_mode_names, CLI_MODE_SOLID,
            "solid: what lies inside; conservative: all voxels that the surface\n"
            "touches; thin: those that keep a flood through faces out; sampled:\n"
@@ -165,23 +193,26 @@ static const cli_argument arguments[] = {
     CHOICE("--axis", "AXIS", CLI_SLICE, up_axis, axis_names, 1, "planes lie across x, y or z [z]"),
     BETWEEN("--spacing", "S", CLI_SLICE, spacing, 0, 1e300, "from plane to plane; the first lies half of it above the low end"),
     LIST("--resolution", "N", CLI_REPAIR, resolution, 1, 16777216.0, 1, 1, "voxels along the longest axis [256]"),
-    LIST("--triangles", "N", CLI_REPAIR, triangles, 1, 4294967295.0, 1, 1,
-         "most triangles: the largest resolution is taken that keeps to them,\nup to --resolution [all]"),
-    CHOICE("--sign", "RULE", CLI_REPAIR, sign, repair_sign_names, BVX_SIGN_AUTO,
+    LIST("--triangles", "N", REDUCES, triangles, 1, 4294967295.0, 1, 1,
+         "of a mesh: edges of the result collapse to so many triangles or fewer\n[all are kept]"),
+    ERRORS("--error", "E", REDUCES, errors, 1,
+           "of a mesh: edges of the result collapse until it would lie further than\nE from what it was, in its unit or with % in percent of its diagonal"),
+    CHOICE("--error-kind", "KIND", REDUCES, error_kind, error_names, BVX_ERROR_MEAN, "of --error: the mean of both ways, or max, the largest one [mean]"),
+    CHOICE("--sign", "RULE", CLI_REPAIR | CLI_LOD, sign, repair_sign_names, BVX_SIGN_AUTO,
            "winding: holes and overlaps; vote: holes and flipped triangles;\nexact: nested shells are cavities; auto: vote where triangles are\nflipped, else winding [auto]"),
     CHOICE("--interpolation", "HOW", CLI_REPAIR | CLI_BOOLEAN, interpolation, edge_names, BVX_EDGE_VECTOR,
            "tangent: from the planes at the closest points; vector: from the line\nthrough them; scalar: from the signed distance; middle; paper: vector\nwith the paper's clamps [tangent]"),
     FLAG("--sharp", CLI_REPAIR | CLI_BOOLEAN, sharp, "put vertices on sharp edges and corners"),
-    FROM_TO("--shell", "T", CLI_REPAIR, shell, 0, 1e6, "thickness of shells in voxels, from 1.5; 0: none are made [2]"),
-    LONG("--least-part", "N", CLI_REPAIR, least_part, 0, 1e15, "parts of fewer voxels are dropped [0]"),
-    LONG("--least-cavity", "N", CLI_REPAIR, least_cavity, 0, 1e15, "cavities of fewer voxels are filled [0]"),
+    FROM_TO("--shell", "T", CLI_REPAIR | CLI_LOD, shell, 0, 1e6, "thickness of shells in voxels, from 1.5; 0: none are made [2]"),
+    LONG("--least-part", "N", CLI_REPAIR | CLI_LOD, least_part, 0, 1e15, "parts of fewer voxels are dropped [0]"),
+    LONG("--least-cavity", "N", CLI_REPAIR | CLI_LOD, least_cavity, 0, 1e15, "cavities of fewer voxels are filled [0]"),
     FLAG("--measure", CLI_REPAIR, measure, "tell distances between input and result, and overlaps"),
-    FLAG("--normals", CLI_CONVERT | CLI_REPAIR, normals,
+    FLAG("--normals", CLI_CONVERT | CLI_REPAIR | MAKES_LEVELS, normals,
          "of a mesh: also write smooth normals of its vertices to .ply and .obj,\n"
          "averaged by area over sharp edges too; .glb always has them"),
     FLAG("--carry", CLI_REPAIR, carry, "give the result the colours and texture coordinates of the nearest\npoints on the input"),
-    FLAG("--carry", CLI_LOD, carry, "give each level the colours and texture coordinates of the nearest\npoints on the mesh"),
-    LONG("--samples", "N", CLI_LOD | CLI_COMPARE, samples, 0, 2147483647, "points on each mesh for the distances, 0: none [20000]"),
+    FLAG("--carry", MAKES_LEVELS, carry, "give each level the colours and texture coordinates of the nearest\npoints on the mesh"),
+    LONG("--samples", "N", MAKES_LEVELS | CLI_COMPARE, samples, 0, 2147483647, "points on each mesh for the distances, 0: none [20000]"),
     LIST("--seed", "X,Y,Z", CLI_FILL, seeds, 0, LARGEST_SIDE, 3, 63,
          "empty voxels to fill from, counted from the grid's first one, three\nnumbers each [one in every pocket]"),
     FILE_NAME("--mesh", "MESH", CLI_FILL, mesh, "the mesh behind the surface: pockets outside of it stay empty"),

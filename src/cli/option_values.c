@@ -72,6 +72,23 @@ static int take_pair(const char *text, cli_pair *t)
     return p != text + 1;
 }
 
+/* 0.02,0.1%: distances above 0, each with or without a percent sign. */
+static int take_errors(const cli_argument *a, const char *text, cli_errors *errors)
+{
+    const char *p = text;
+
+    for (errors->count = 0; errors->count < a->most;) {
+        int const i = errors->count++;
+
+        if (!take_real(p, ",%", &errors->value[i], &p) || !(errors->value[i] > 0.0)) return 0;
+        errors->percent[i] = *p == '%';
+        p += *p == '%';
+        if (*p == 0) return 1;
+        if (*p++ != ',') return 0;
+    }
+    return 0;
+}
+
 /* The axis that a text begins with, and the stop behind it; -1 when there is none. */
 static int take_axis(const char *text, char stop)
 {
@@ -155,6 +172,7 @@ int cli_take_value(const cli_argument *a, const char *text, cli_options *o)
     case CLI_FILE:
     case CLI_TEXT: *(const char **)field = text; return text[0] != 0;
     case CLI_NUMBER: return take_real(text, "", field, &rest);
+    case CLI_ERRORS: return take_errors(a, text, field);
     case CLI_SET: return take_set(a, text, field);
     case CLI_INT:
         if (a->choice != NULL && take_choice(a, text, field)) return 1;
@@ -211,6 +229,10 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
     case CLI_FILE: snprintf(text, room, "the name of a file"); break;
     case CLI_TEXT: snprintf(text, room, "a text that is not empty"); break;
     case CLI_NUMBER: snprintf(text, room, "a number"); break;
+    case CLI_ERRORS:
+        if (a->most == 1) snprintf(text, room, "a distance above 0 like 0.02 or 0.1%%");
+        else snprintf(text, room, "distances above 0 like 0.02 or 0.05%%,0.2%%, at most %d", a->most);
+        break;
     case CLI_SET:
         snprintf(text, room, "one or more of");
         for (int i = 0; a->choice[i] != NULL; i++)

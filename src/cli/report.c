@@ -46,6 +46,22 @@ static void report_distance(cli_text *t, const bvx_distance_report *d)
     cli_text_add(t, "}");
 }
 
+/* What was asked for is null where nobody asked. */
+static void report_level(cli_text *t, const cli_mesh_entry *m)
+{
+    const bvx_level_report *const l = m->level;
+
+    if (l->target_error > 0.0) cli_text_add(t, ", \"target\": null");
+    else cli_json_count(t, "target", l->target);
+    cli_json_value(t, "target_error", l->target_error > 0.0 ? l->target_error : HUGE_VAL);
+    cli_json_truth(t, "met", l->met);
+    cli_json_count(t, "crossings", l->crossings);
+    cli_json_value(t, "least_angle", l->least_angle);
+    cli_json_count(t, "refused", l->refused);
+    cli_json_value(t, "simplification_rate", m->rate);
+    cli_text_add(t, ", \"source\": \"%s\"", m->source);
+}
+
 static void report_mesh(cli_text *t, const cli_mesh_entry *m)
 {
     cli_text_add(t, "{\"path\": ");
@@ -61,6 +77,7 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
         cli_json_truth(t, "exceeds_input", m->lod->exceeds_source);
         cli_json_value(t, "milliseconds", m->milliseconds);
     }
+    if (m->level != NULL) report_level(t, m);
     if (m->distance != NULL) report_distance(t, m->distance);
     if (m->welded != NULL) {
         cli_text_add(t, ", \"welded\": {\"weld\": true");

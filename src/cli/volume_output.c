@@ -21,6 +21,8 @@ static int check_volume_output(cli_run *run, int *kind)
     if (*kind == 0 || cli_is_packed(out))
         return cli_usage(run, "%s: the name ends in no grid format that is written (.npy .binvox .vox .nrrd .vti .bvx), and in no mesh "
                          "format (.ply .obj .stl .off .glb)", out);
+    if (*kind == CLI_GRID && cli_refuse_reduction(run, "is for a mesh; the result is a grid") != CLI_DONE) return CLI_USAGE;
+    if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
     if (run->options.all_labels && (*kind != CLI_MESH || !has_number))
         return cli_usage(run, "--all-labels writes a mesh for each label: %s needs %%d in the name of a mesh", out);
     if (!run->options.all_labels && has_number) return cli_usage(run, "%s: %%d is for --all-labels", out);
@@ -95,14 +97,16 @@ static bvx_status make_grid_mesh(cli_run *run, const bvx_grid *grid, bvx_mesh *m
     return bvx_extract_surface(run->context, grid, &o, mesh);
 }
 
-/* Check and write a mesh as output number n, under the path that the report keeps. */
-static int put_mesh(cli_run *run, const bvx_mesh *mesh, int n, const char *path)
+/* Reduce, check and write a mesh as output number n, under the path that the report keeps. */
+static int put_mesh(cli_run *run, bvx_mesh *mesh, int n, const char *path, cli_reduction *reduction)
 {
     cli_mesh_entry *const entry = &run->report.mesh[n];
     bvx_buffer file = {0};
     bvx_mesh_view view;
     bvx_status status;
-    int result = CLI_DONE;
+    int result = cli_reduce(run, mesh, reduction);
+
+    if (result != CLI_DONE) return result;
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "check");
     status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
@@ -130,6 +134,7 @@ static void say_mesh(cli_run *run, int n)
 static int make_volume_mesh(cli_run *run, volume_job *j)
 {
     const char *const in = cli_input_name(run->options.input[0]);
+    cli_reduction reduction = {0};
     bvx_mesh mesh = {0};
     bvx_grid grid = {0};
     bvx_status status;
@@ -146,13 +151,14 @@ static int make_volume_mesh(cli_run *run, volume_job *j)
     if (status != BVX_OK) return cli_fail_status(run, status, in);
     if (mesh.triangle_count == 0)
         return cli_fail(run, "%s: no sample is in the range (they go from %.9g to %.9g); there is no surface", in, j->report.least, j->report.greatest);
-    result = put_mesh(run, &mesh, 0, run->options.output);
+    result = put_mesh(run, &mesh, 0, run->options.output, &reduction);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     bvx_mesh_free(run->context, &mesh);
     if (result != CLI_DONE) return result;
     note_set(run, j);
     cli_tell_volume(run, &j->volume, &j->report);
     say_volume(run, j);
+    cli_tell_reduction(run, &reduction);
     say_mesh(run, 0);
     return CLI_DONE;
 }
@@ -204,6 +210,7 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
 {
     double const value = (double)j->labels[n].value;
     char *const path = cli_numbered_path(run->options.output, j->labels[n].value); /* the report keeps it */
+    cli_reduction reduction = {0};
     bvx_mesh mesh = {0};
     bvx_grid grid = {0};
     bvx_volume_view view;
@@ -221,7 +228,7 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
     if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
     cli_stage_end(run);
     bvx_grid_free(run->context, &grid);
-    result = status == BVX_OK ? put_mesh(run, &mesh, n, path) : cli_fail_status(run, status, path);
+    result = status == BVX_OK ? put_mesh(run, &mesh, n, path, &reduction) : cli_fail_status(run, status, path);
     bvx_mesh_free(run->context, &mesh);
     return result;
 }

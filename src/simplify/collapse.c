@@ -280,6 +280,9 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
         /* Far from the target the order of space saves time, near it the order of cost decides what is seen. */
         c->queue.batch = c->mesh.left > COLLAPSE_FAR * target && c->mesh.left > COLLAPSE_NEAR ? COLLAPSE_BATCH : INT32_MAX;
         if (bvxi_queue_take(&c->queue, &entry)) {
+            int32_t const soon = bvxi_queue_soon(&c->queue);
+
+            if (soon >= 0) BVXI_PREFETCH(&c->mesh.triangle[soon >> 2]);
             try_edge(c, &entry);
             continue;
         }

@@ -109,6 +109,13 @@ static inline void bvxi_queue_put(bvxi_queue *q, const bvxi_queue_entry *entry)
     if (fine < q->fine) q->fine = fine;
 }
 
+/* The corner of an entry that comes soon, most likely; else -1. */
+static inline int32_t bvxi_queue_soon(const bvxi_queue *q)
+{
+    int32_t const at = q->fine < BVXI_QUEUE_SPAN ? q->head[BVXI_QUEUE_COARSE + q->fine] : BVXI_QUEUE_NONE;
+    return at != BVXI_QUEUE_NONE && q->chunk[at].count > 3 ? q->chunk[at].entry[q->chunk[at].count - 3].corner : -1;
+}
+
 /* Take one of the cheapest entries; 0 when there is none. */
 static inline int bvxi_queue_take(bvxi_queue *q, bvxi_queue_entry *entry)
 {

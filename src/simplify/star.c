@@ -410,34 +410,58 @@ static int meets_new_triangles(const bvxi_corners *m, const bvxi_star *star, int
     return 0;
 }
 
+/* Triangles that were found and wait for their memory. */
+typedef struct found_triangles {
+    int32_t count;
+    int32_t triangle[BVXI_STAR_MOST];
+    bvxi_box box[BVXI_STAR_MOST];
+} found_triangles;
+
+static int meets_found(const bvxi_corners *m, const bvxi_star *star, found_triangles *found)
+{
+    for (int32_t i = 0; i < found->count; i++) {
+        int32_t const t = found->triangle[i];
+
+        if (has_vertex(m, t, star->u) | has_vertex(m, t, star->v)) continue;
+        if (meets_new_triangles(m, star, t, &found->box[i])) return 1;
+    }
+    found->count = 0;
+    return 0;
+}
+
 static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bvxi_star *star)
 {
     bvxi_box const all = gather_boxes(m, tree, star);
     bvxi_box_query const query = bvxi_box_ask(&all);
     uint64_t stack[BVXI_BOX_STACK]; /* level in the low bits */
+    found_triangles found;
     int32_t depth = 0;
 
+    /* What is looked at next is asked of memory before it is needed: waiting for it is most of the time. */
+    found.count = 0;
     stack[depth++] = (uint64_t)(tree->levels - 1);
     while (depth > 0) {
         uint64_t const top = stack[--depth], index = top >> 4;
         int32_t const level = (int32_t)(top & 15);
         const bvxi_box_node *const node = &tree->node[level][index];
 
+        if (found.count > BVXI_STAR_MOST - BVXI_BOX_WIDTH && meets_found(m, star, &found)) return BVXI_STAR_CROSSES;
         for (uint32_t bits = bvxi_box_overlaps(node, &query); bits != 0; bits &= bits - 1) {
             int32_t const k = bvxi_lowest(bits);
             uint64_t const child = index * BVXI_BOX_WIDTH + (uint64_t)k;
 
             if (level > 0) {
+                BVXI_PREFETCH(&tree->node[level - 1][child]);
+                BVXI_PREFETCH(&tree->node[level - 1][child].high[0]);
                 stack[depth++] = child << 4 | (uint64_t)(level - 1);
             } else {
-                bvxi_box const box = bvxi_box_child(node, k);
-
-                if (has_vertex(m, (int32_t)child, star->u) | has_vertex(m, (int32_t)child, star->v)) continue;
-                if (meets_new_triangles(m, star, (int32_t)child, &box)) return BVXI_STAR_CROSSES;
+                BVXI_PREFETCH(&m->triangle[child]);
+                found.triangle[found.count] = (int32_t)child;
+                found.box[found.count++] = bvxi_box_child(node, k);
             }
         }
     }
-    return BVXI_STAR_SAFE;
+    return meets_found(m, star, &found) ? BVXI_STAR_CROSSES : BVXI_STAR_SAFE;
 }
 
 int bvxi_star_judge(const bvxi_corners *m, const bvxi_box_tree *boxes, bvxi_star *star)
