@@ -17,7 +17,7 @@ bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mes
 {
     uint64_t const bytes = mesh->vertex_count * 4;
     uint64_t different, kept = 0;
-    uint32_t *representative, *to;
+    uint32_t *representative = NULL, *to;
     bvx_status status;
 
     *view = *mesh;
