@@ -11,11 +11,13 @@
 #define BVXI_LIKELY(x) __builtin_expect(!!(x), 1)
 #define BVXI_UNLIKELY(x) __builtin_expect(!!(x), 0)
 #define BVXI_RESTRICT __restrict__
+#define BVXI_PREFETCH(address) __builtin_prefetch(address)
 #else
 #define BVXI_COLD
 #define BVXI_LIKELY(x) (x)
 #define BVXI_UNLIKELY(x) (x)
 #define BVXI_RESTRICT
+#define BVXI_PREFETCH(address) ((void)(address))
 #endif
 
 /* Loops over arrays that compilers turn into vector code; copied into one function a processor level. A build that counts

@@ -108,9 +108,9 @@ static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end
     const bvx_mesh_view *const v = &b->n->view;
     uint32_t c[3];
     if (i + 2 * NEAR_AHEAD >= end || v->indices == NULL) return;
-    BVXI_NEAR_PREFETCH(bvxi_view_index_at(v, bvxi_near_order_number(&b->order, i + 2 * NEAR_AHEAD)));
+    BVXI_PREFETCH(bvxi_view_index_at(v, bvxi_near_order_number(&b->order, i + 2 * NEAR_AHEAD)));
     bvxi_view_triangle(v, bvxi_near_order_number(&b->order, i + NEAR_AHEAD), c);
-    for (int k = 0; k < 3; k++) BVXI_NEAR_PREFETCH(bvxi_view_position_at(v, c[k]));
+    for (int k = 0; k < 3; k++) BVXI_PREFETCH(bvxi_view_position_at(v, c[k]));
 }
 
 /* Leaf number `leaf` from count triangles; the piece has all before end. */

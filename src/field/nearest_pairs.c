@@ -20,7 +20,7 @@ static void gather_near_packed(const bvxi_nearest *n, bvxi_near_pairs *p)
     uint32_t c[BVXI_NEAR_PAIRS][3];
     for (int32_t i = 0; i < p->count; i++) {
         memcpy(c[i], indices + (size_t)p->triangle[i] * 12, sizeof c[i]);
-        for (int v = 0; v < 3; v++) BVXI_NEAR_PREFETCH(positions + (size_t)c[i][v] * 12);
+        for (int v = 0; v < 3; v++) BVXI_PREFETCH(positions + (size_t)c[i][v] * 12);
     }
     for (int32_t i = 0; i < p->count; i++)
         for (int v = 0; v < 3; v++) {

@@ -15,17 +15,11 @@ typedef struct bvxi_near_pairs {
     int32_t count;
 } bvxi_near_pairs;
 
-#if defined(__GNUC__)
-#define BVXI_NEAR_PREFETCH(address) __builtin_prefetch(address)
-#else
-#define BVXI_NEAR_PREFETCH(address) ((void)(address))
-#endif
-
 /* Take one more pair; there must be room. Its corners' numbers are asked for, as the evaluation comes later. */
 static inline void bvxi_near_take_pair(const bvxi_nearest *n, bvxi_near_pairs *p, const double point[3], uint32_t triangle, int32_t slot)
 {
     int32_t const i = p->count++;
-    if (n->view.indices != NULL) BVXI_NEAR_PREFETCH(bvxi_view_index_at(&n->view, triangle));
+    if (n->view.indices != NULL) BVXI_PREFETCH(bvxi_view_index_at(&n->view, triangle));
     p->triangle[i] = triangle;
     p->slot[i] = slot;
     for (int a = 0; a < 3; a++) p->point[a][i] = point[a];

@@ -17,7 +17,7 @@ typedef struct fan_work {
     bvxi_polygon polygon;
 } fan_work;
 
-static bvx_status fan_make_work(bvx_context *ctx, const bvxi_fan *fans, uint64_t count, fan_work *w)
+static bvx_status fan_make_work(bvx_context *ctx, const bvxi_polygon_fan *fans, uint64_t count, fan_work *w)
 {
     for (uint64_t i = 0; i < count; i++)
         if (fans[i].corners > w->room) w->room = fans[i].corners;
@@ -49,7 +49,7 @@ static void fan_put_numbers(const fan_work *w, uint64_t corners, uint32_t *t)
     for (uint64_t i = 0; i < (corners - 2) * 3; i++) t[i] = w->number[w->cut[i]];
 }
 
-static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_fan *fan)
+static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_polygon_fan *fan)
 {
     uint32_t *const t = mesh->triangles + (size_t)fan->triangle * 3;
     fan_take_numbers(t, fan->corners, w->number);
@@ -65,7 +65,7 @@ static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_fan *fan)
     return BVX_OK;
 }
 
-bvx_status bvxi_cut_fans(bvxi_source *source, bvx_mesh *mesh, const bvxi_fan *fans, uint64_t count)
+bvx_status bvxi_cut_fans(bvxi_source *source, bvx_mesh *mesh, const bvxi_polygon_fan *fans, uint64_t count)
 {
     bvx_context *const ctx = source->ctx;
     fan_work w = {0};

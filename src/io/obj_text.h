@@ -27,7 +27,7 @@ typedef struct obj_file {
     uint64_t vertices, uvs, triangles, polygons;
     bvx_mesh *mesh;
     float *colours;   /* red, green, blue as they stand in the file; NULL when they are not wanted */
-    bvxi_fan *fans;
+    bvxi_polygon_fan *fans;
 } obj_file;
 
 /* ---- words and lines ---- */

@@ -15,7 +15,7 @@ typedef struct ply_file {
     uint64_t room;
     uint64_t uv_count;       /* corners with texture coordinates so far; those beyond the mesh's uv_count are only counted */
     uint64_t polygon_count;  /* found so far */
-    bvxi_fan *fans;          /* of all polygons, or NULL while they are only counted */
+    bvxi_polygon_fan *fans;          /* of all polygons, or NULL while they are only counted */
     uint64_t fan_room;
     int32_t big;             /* byte order of a binary file */
     int32_t uvs_at_corners;  /* 1: texture coordinates of faces are wanted */

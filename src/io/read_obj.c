@@ -161,7 +161,7 @@ static bvx_status obj_take_face(obj_reader *r, const char **p)
         return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_FORMAT, "OBJ: line %u: a face of %u corners; it needs three",
                                 bvxi_source_line(&r->source, at), corners);
     if (corners > 3) {
-        bvxi_fan *const fan = &f->fans[r->polygons++];
+        bvxi_polygon_fan *const fan = &f->fans[r->polygons++];
         fan->triangle = (uint32_t)triangle;
         fan->corners = (uint32_t)corners;
     }

@@ -22,7 +22,7 @@ typedef struct off_file {
     uint64_t vertex_count, face_count;
     uint64_t triangle_count, polygon_count; /* found so far */
     uint64_t room, fan_room;                /* that there are arrays for */
-    bvxi_fan *fans;
+    bvxi_polygon_fan *fans;
 } off_file;
 
 /* Words behind a vertex. */

@@ -159,7 +159,7 @@ static void cut_task(void *user, int32_t task, int32_t worker)
 /* ---- corners ---- */
 
 /* The rectangle's corners as numbers of bits; counter-clockwise seen from the positive side. */
-static void corners_of(const face_merge *m, const face_rectangle *r, uint64_t bit[4])
+static void rectangle_corners(const face_merge *m, const face_rectangle *r, uint64_t bit[4])
 {
     static const uint8_t turn[3][4] = {{0, 1, 3, 2}, {0, 2, 3, 1}, {0, 1, 3, 2}}; /* ends of u (1) and v (2) */
     for (int n = 0; n < 4; n++) {
@@ -175,7 +175,7 @@ static void mark_corners(face_merge *m)
 {
     for (uint64_t n = 0; n < m->f->face_count; n++) {
         uint64_t bit[4];
-        corners_of(m, &m->list[n], bit);
+        rectangle_corners(m, &m->list[n], bit);
         for (int c = 0; c < 4; c++) m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
     }
 }
@@ -207,7 +207,7 @@ static void emit_rectangles(void *user, int32_t piece, int32_t worker)
     bvxi_piece(m->f->face_count, m->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
         uint64_t bit[4];
-        corners_of(m, &m->list[n], bit);
+        rectangle_corners(m, &m->list[n], bit);
         bvxi_put_face(m->f->mesh->triangles + 6 * (size_t)n, bvxi_rank_before(&m->rank, bit[0]), bvxi_rank_before(&m->rank, bit[1]),
                       bvxi_rank_before(&m->rank, bit[2]), bvxi_rank_before(&m->rank, bit[3]), m->list[n].positive);
     }

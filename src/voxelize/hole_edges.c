@@ -151,7 +151,7 @@ static void empty_slot(edge_table *t, uint64_t free)
     t->used--;
 }
 
-static inline void put_edge(edge_table *t, uint32_t from, uint32_t to)
+static inline void put_hole_edge(edge_table *t, uint32_t from, uint32_t to)
 {
     uint64_t const key = from < to ? (uint64_t)from << 32 | to : (uint64_t)to << 32 | from;
     int64_t const direction = from < to ? 1 : -1;
@@ -217,8 +217,8 @@ static bvx_status take_from_beside(bvx_context *ctx, const uint32_t *beside, uin
         for (int i = 0; i < HOLE_BESIDE; i++) {
             uint32_t const value = beside[HOLE_BESIDE * v + (uint64_t)i] - 1;
             if (value == UINT32_MAX) continue;
-            if ((value & 1) == 0) put_edge(t, (uint32_t)v, value >> 1);
-            else put_edge(t, value >> 1, (uint32_t)v);
+            if ((value & 1) == 0) put_hole_edge(t, (uint32_t)v, value >> 1);
+            else put_hole_edge(t, value >> 1, (uint32_t)v);
             BVXI_TRY(make_room_for_edges(ctx, t));
             if (t->used > limit) return BVX_OK;
         }
@@ -235,7 +235,7 @@ static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, con
         for (int k = 0; k < 3 && same != NULL; k++) c[k] = same[c[k]];
         for (int k = 0; k < 3; k++) {
             uint32_t const from = c[k], to = c[k == 2 ? 0 : k + 1];
-            if (from != to && !(narrow && put_beside(beside, from, to))) put_edge(t, from, to);
+            if (from != to && !(narrow && put_beside(beside, from, to))) put_hole_edge(t, from, to);
         }
         BVXI_TRY(make_room_for_edges(ctx, t));
     }
@@ -331,7 +331,7 @@ static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uin
         status = vertex_at_place(ctx, &p, (uint32_t)(list[i] >> 32), &from);
         if (status == BVX_OK) status = vertex_at_place(ctx, &p, (uint32_t)list[i], &to);
         if (status != BVX_OK) break;
-        put_edge(t, from, to);
+        put_hole_edge(t, from, to);
         status = make_room_for_edges(ctx, t);
     }
     close_place_table(ctx, &p);

@@ -51,7 +51,7 @@ static uint64_t triangle_place(const bvxi_sheet *s, const uint32_t *corner)
 }
 
 /* keys: sorted. */
-static bvx_status order_triangles(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_tree *tree, uint64_t *keys)
+static bvx_status order_sheet(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_tree *tree, uint64_t *keys)
 {
     uint64_t const count = tree->triangles;
     uint32_t *number = NULL, *listed = NULL;
@@ -213,7 +213,7 @@ static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_s
     uint64_t const bytes = tree->triangles * 8;
     uint64_t *keys = NULL;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles' places", &keys);
-    if (status == BVX_OK) status = order_triangles(ctx, s, tree, keys);
+    if (status == BVX_OK) status = order_sheet(ctx, s, tree, keys);
     if (status == BVX_OK) {
         cut_sheet_cells(keys, tree);
         status = bvxi_alloc(ctx, BVXI_SCRATCH, tree->cells * sizeof *tree->cell, "the sheet's cells", &tree->cell);

@@ -70,7 +70,7 @@ static int cut_to_tile(const bvxi_surface_tile *tile, const int32_t (*corner)[3]
 
 /* ---- lines ---- */
 
-static void add_edge(const touch_triangle *t, int u, int v, int from, int to, int64_t turn, touch_lines *lines)
+static void add_touched_edge(const touch_triangle *t, int u, int v, int from, int to, int64_t turn, touch_lines *lines)
 {
     const int64_t *const p = t->p[from], *const q = t->p[to];
     int64_t const du = (p[v] - q[v]) * turn, dv = (q[u] - p[u]) * turn; /* slopes of the edge function, positive inside */
@@ -86,7 +86,7 @@ static void add_edge(const touch_triangle *t, int u, int v, int from, int to, in
 static void make_lines(const touch_triangle *t, int u, int v, int64_t area, touch_lines *lines)
 {
     lines->count = 0;
-    for (int i = 0; i < 3; i++) add_edge(t, u, v, i, (i + 1) % 3, area < 0 ? -1 : 1, lines);
+    for (int i = 0; i < 3; i++) add_touched_edge(t, u, v, i, (i + 1) % 3, area < 0 ? -1 : 1, lines);
 }
 
 /* Narrow [*first, *last] to the indices along u that all lines allow at index v. An edge along u bounds the triangle's box along
@@ -108,7 +108,7 @@ static void narrow_by_lines(const touch_lines *lines, int64_t v, int64_t *first,
 
 /* ---- the plane ---- */
 
-static double magnitude(double v)
+static double absolute(double v)
 {
     return v < 0 ? -v : v;
 }
@@ -146,7 +146,7 @@ static void make_plane(touch_triangle *t, const int64_t n[3])
     p->along_j = (double)p->n[1] * (double)t->step * inverse;
     p->along_k = (double)p->n[2] * (double)t->step * inverse;
     /* no more than ten roundings of terms that sum up to this; floors are taken of numbers raised by 2 */
-    p->error = (magnitude(p->from) + magnitude(p->to) + magnitude(p->along_j) * rows + magnitude(p->along_k) * slices) *
+    p->error = (absolute(p->from) + absolute(p->to) + absolute(p->along_j) * rows + absolute(p->along_k) * slices) *
                    (1.0 / 562949953421312.0) + 1.0 / 16777216.0; /* 2^-49, 2^-24 */
 }
 

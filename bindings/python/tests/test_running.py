@@ -70,6 +70,8 @@ def test_progress_and_cancellation():
 
     with pytest.raises(Mine):
         bitvox.lod(TETRAHEDRON, levels=16, progress=fail)
+    with pytest.raises(Mine):
+        bitvox.lod(TETRAHEDRON, progress=fail)
     with pytest.raises(TypeError):
         bitvox.surface(grid, progress=3)
 
@@ -156,14 +158,16 @@ def everything(mesh, grid):
         grid.distance("signed", nearest=True)[1].tobytes(), grid.distance(squares=True).tobytes(), grid.coverage(3).tobytes(), grid.content(),
         volume.threshold(-20, 5).content_hash(), volume.surface(-3, keys=True).content_hash(), volume.labels(), volume.label(10).count,
         grid.components().tobytes(), grid.label(connectivity=26).tobytes(), grid.keep(largest=1).content_hash(), grid.fill_cavities().content_hash(),
-        grid.topology(), bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(),
+        grid.topology(), [level.content_hash() for level in bitvox.lod(mesh, triangles=(300, 100))],
+        bitvox.simplify(mesh, error="1%").content_hash(), bitvox.plan_levels(mesh),
+        bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(),
     ]
 
 
 def test_everything_calls_every_function():
     """What a stage brings later belongs there too."""
     called = set(re.findall(r"\.(\w+)\(", inspect.getsource(everything)))
-    elsewhere = {"read", "read_volume", "write", "register_with_trimesh", "settings", "read_points"}  # files and settings have tests of their own
+    elsewhere = {"read", "read_volume", "write", "write_levels", "register_with_trimesh", "settings", "read_points"}  # files and settings have tests of their own
     assert {name for name in bitvox.__all__ if inspect.isfunction(getattr(bitvox, name))} - called == elsewhere
     of_grids = {name for name, thing in vars(bitvox.Grid).items() if not name.startswith("_") and inspect.isfunction(thing)}
     assert of_grids - called == {"to_pyvista", "voxels", "plot", "save"}
@@ -268,6 +272,8 @@ def test_ten_thousand_calls_leak_nothing(tetrahedron, tmp_path):
         bitvox.from_sections(sections, grid=(4, 4)).report
         bitvox.loads(bitvox.dumps(sections, "csl"), "csl")
         bitvox.repair(tetrahedron, resolution=8)
+        grid.surface().simplify(count=2)[1].report
+        bitvox.lod(tetrahedron, resolution=8, triangles=20).report
         bitvox.merge([grid.surface(keys=True)])
         (grid | ~grid).downsample(3).pad(1)
         grid.close(radius=0.1).hollow(0.1).report
@@ -322,7 +328,9 @@ def test_without_numpy():
         assert (grid | ~grid).count == 32 ** 3 and grid[0, 0, 0] and grid.count == len(grid)
         assert bitvox.loads(bitvox.dumps(mesh, "ply"), "ply").content_hash() == mesh.content_hash()
         assert bitvox.loads(bitvox.dumps(grid, "bvx"), "bvx") == grid
-        assert bitvox.lod((v, f), levels=8)[0].n_faces > 0 and mesh.bounds[0] >= (0, 0, 0)
+        assert bitvox.lod((v, f), levels=8)[0].n_faces > 0 and bitvox.lod(mesh, error="1%", carry=False)[0].n_faces < mesh.n_faces
+        assert mesh.simplify(triangles=20).n_faces <= 20
+        assert bitvox.repair((v, f), resolution=16, triangles=20).n_faces <= 20 and mesh.bounds[0] >= (0, 0, 0)
         assert bitvox.render(grid, size=(20, 20)).png()[:4] == b"\\x89PNG"
         assert grid.sample([[0.1, 0.1, 0.1]])[0] == 1.0
         assert bitvox.refine((v, f), levels=2).counts()

@@ -3,7 +3,7 @@
     >>> import bitvox
     >>> solid = bitvox.voxelize("dragon.ply", resolution=256)      # or (vertices, faces), trimesh, PyVista, Open3D, meshio
     >>> mesh = solid.surface()                                     # closed, manifold, oriented
-    >>> fine, coarse = bitvox.lod("dragon.ply", levels=(64, 16))
+    >>> fine, coarse = bitvox.lod("dragon.ply", triangles=(20000, 2000))
 
 Coordinates are (x, y, z), world units are those of the mesh, voxel (i, j, k) is the box from ``corner + ijk * spacing`` to
 ``corner + (ijk + 1) * spacing``. Results are the same bits on every machine and for any number of threads. The interpreter's
@@ -33,6 +33,7 @@ from ._files import Writer, dumps, loads, read, write, write_levels
 from ._grid import Attached, Grid
 from ._image import Image, render
 from ._lattice import Lattice, Window
+from ._levels import Levels, lod, plan_levels, simplify
 from ._mesh import Mesh
 from ._octree import Octree, refine
 from ._points import read_points, voxelize_points
@@ -52,7 +53,6 @@ from ._stages import (
     faces_counts,
     find_pockets,
     find_seed,
-    lod,
     merge,
     repair,
     surface,
@@ -78,10 +78,10 @@ _register_if_there()
 
 __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
-    "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
+    "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Levels", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
     "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean",
     "carry", "check", "compare", "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
-    "find_seed", "from_sections", "loads", "lod", "merge", "read", "read_points", "read_volume", "refine", "register_with_trimesh", "render",
-    "repair", "settings", "slice_mesh", "surface", "surface_counts", "voxelize", "voxelize_points", "write",
-    "write_levels",
+    "find_seed", "from_sections", "loads", "lod", "merge", "plan_levels", "read", "read_points", "read_volume", "refine",
+    "register_with_trimesh", "render", "repair", "settings", "simplify", "slice_mesh", "surface", "surface_counts", "voxelize",
+    "voxelize_points", "write", "write_levels",
 ]

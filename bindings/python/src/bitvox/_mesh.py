@@ -307,6 +307,23 @@ class Mesh:
                                            ffi.cast("float *", arrays.address(vertices)), ffi.cast("float *", arrays.address(facets))))
         return vertices, facets
 
+    def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
+                 error_kind: str | None = None, count: int | None = None, even: float | None = None, strict: bool = False,
+                 samples: int | None = None, carry: bool = False, dtype: Any = None, threads: int | None = None,
+                 memory_limit: int | None = None, progress: Progress = None) -> Any:
+        """Fewer triangles for a closed, manifold, oriented mesh, by collapsing the edges that cost least.
+
+        Args:
+            triangles, error, error_kind, count, even, strict, samples, carry, dtype: as for `bitvox.simplify`.
+
+        Returns:
+            A `Mesh` for one target, a list for several.
+        """
+        from ._levels import simplify
+
+        return simplify(self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, strict=strict,
+                        samples=samples, carry=carry, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
+
     def content_hash(self) -> int:
         """The library's hash of type, counts, frame, vertices and triangles: the same on every machine."""
         out = ffi.new("uint64_t *")

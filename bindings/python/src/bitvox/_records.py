@@ -18,14 +18,18 @@ def record(struct: Any) -> Any:
 
     kind = ffi.typeof(struct)
     made = reports.BY_STRUCT[_plain_name(kind.item if kind.kind == "pointer" else kind)]
-    return made(*(_value(wanted, getattr(struct, field)) for field, wanted in made.__annotations__.items()))
+    return made(*(_value(field, wanted, getattr(struct, field)) for field, wanted in made.__annotations__.items()))
 
 
-def _value(wanted: Any, value: Any) -> Any:
+# Fields that hold the number of a rule: the prefix of its constants, and their names.
+_RULES = {"sign": ("BVX_SIGN_", SIGN_RULES), "source": ("BVX_LEVELS_", ("mesh", "measured"))}
+
+
+def _value(field: str, wanted: Any, value: Any) -> Any:
     if wanted is bool:
         return bool(value)
     if wanted is str:
-        return name_of(value, "BVX_SIGN_", SIGN_RULES)
+        return name_of(value, *_RULES[field])
     if isinstance(value, ffi.CData) and ffi.typeof(value).kind == "struct":
         if _plain_name(ffi.typeof(value)) == "bvx_lattice":
             from ._lattice import Lattice

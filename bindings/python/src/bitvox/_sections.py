@@ -199,6 +199,9 @@ def from_sections(
     crossings: str = "exact",
     subdivide: int | None = None,
     label: str | None = None,
+    triangles: int | None = None,
+    error: float | str | None = None,
+    error_kind: str | None = None,
     dtype: Any = "float64",
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -217,6 +220,8 @@ def from_sections(
             interpolated distances with the contours' points put in) or "classic" (marching cubes).
         subdivide: a cell that a contour crosses twice on a side is halved at most this often. Default 5.
         label: which body, when there are several.
+        triangles, error, error_kind: most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
+            Contour points are then vertices no more; ``caps="open"`` cannot be collapsed.
         dtype: float64 keeps the contours' points; float32 rounds them.
 
     Returns:
@@ -227,7 +232,12 @@ def from_sections(
         EmptyError: no loop, or sections at one position alone. ArgumentError: several bodies and no ``label``; options that
         contradict each other. RangeError, MemoryLimitError.
     """
+    from ._stages import collapsed, level_target
+
     build = function("bvx_build_sections")
+    targets = level_target(triangles, error, error_kind)
+    if targets and caps == "open":
+        raise ArgumentError(f"{next(iter(targets))} needs a closed body; caps 'open' leaves it open")
     given = _stack_of(sections)
     options = options_of("sections_options")
     if grid is not None:
@@ -254,9 +264,10 @@ def from_sections(
     report = ffi.new("bvx_sections_report *")
     options.report = report
     made = new_mesh()
-    with Run(threads, memory_limit, progress) as run:
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+    with Run(**limits) as run:
         run.check(build(run.context, given._struct(run), options, made))
-    mesh = Mesh._made(made)
+    mesh = collapsed(Mesh._made(made), targets, limits)
     mesh.report = record(report)
     return mesh
 

@@ -1,4 +1,4 @@
-"""The stages as functions: voxelize, surface, faces, lod, repair, and what goes with them."""
+"""The stages as functions: voxelize, surface, faces, repair, and what goes with them; levels of detail are in _levels."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ._errors import ArgumentError
 from ._field import EDGES
 from ._grid import Attached, Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
-from ._mesh import Mesh, new_mesh, position_type
+from ._mesh import Mesh, new_mesh
 from ._octree import with_positions
 from ._records import record
 from ._run import Progress, Run, choice, ffi, function, in_range, lib, options_of
@@ -250,7 +250,7 @@ def surface(
     options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
     for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
         options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
-    found = _grid_of(grid)
+    found = grid_of(grid)
     return with_positions(options, dtype, lambda run, made: lib.bvx_extract_surface(run.context, found._c, options, made),
                           threads=threads, memory_limit=memory_limit, progress=progress)
 
@@ -272,7 +272,7 @@ def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bo
     """
     options = options_of("faces_options")
     options.merged, options.local_frame = int(bool(merge)), int(bool(local_frame))
-    found = _grid_of(grid)
+    found = grid_of(grid)
     return with_positions(options, dtype, lambda run, made: lib.bvx_extract_faces(run.context, found._c, options, made),
                           threads=threads, memory_limit=memory_limit, progress=progress)
 
@@ -286,11 +286,11 @@ def _counts(count: Any, grid: Any, kind: str, prepare: Any) -> tuple[int, int]:
     options, vertices, triangles = options_of(kind), ffi.new("uint64_t *"), ffi.new("uint64_t *")
     prepare(options)
     with Run() as run:
-        run.check(count(run.context, _grid_of(grid)._c, options, vertices, triangles))
+        run.check(count(run.context, grid_of(grid)._c, options, vertices, triangles))
     return vertices[0], triangles[0]
 
 
-def _grid_of(source: Any) -> Grid:
+def grid_of(source: Any) -> Grid:
     if isinstance(source, Grid):
         return source
     if getattr(source, "ndim", 0) == 3:
@@ -314,165 +314,6 @@ def merge(parts: Sequence[Mesh], *, threads: int | None = None, memory_limit: in
             array[i] = part._struct(run)[0]
         run.check(lib.bvx_mesh_merge(run.context, array, len(parts), made))
     return Mesh._made(made)
-
-
-def lod(
-    source: Any,
-    *,
-    resolution: Any = None,
-    levels: int | Sequence[Any] | None = None,
-    triangles: int | Sequence[int] | None = None,
-    method: str = "edge-ratio",
-    threshold: float = 0.5,
-    edge_samples: int | None = None,
-    collapse: float | None = None,
-    fill: str | None = None,
-    close_gaps: int | None = None,
-    padding: int | None = None,
-    face_rule: str = "separate",
-    dtype: Any = None,
-    local_frame: bool = False,
-    carry: bool = False,
-    threads: int | None = None,
-    memory_limit: int | None = None,
-    progress: Progress = None,
-) -> list[Mesh]:
-    """Closed meshes of several sizes from a mesh or a grid: levels of detail.
-
-    Args:
-        source: a `Grid` (or a three-dimensional array), or what `Mesh.of` takes; a mesh is voxelized first.
-        resolution: of that voxelization. Default: 8 times the finest level, less where its bits would take more than 1 GiB.
-        levels: samples along the longest axis of each level, or triples along x, y, z. Default (64, 32, 16).
-        triangles: most triangles of each level, in place of ``levels``.
-        method: "edge-ratio" or "coverage".
-        threshold: a sample above it is inside, between 0 and 1.
-        edge_samples: steps along an edge, with method "edge-ratio". Default: the ratio, rounded up.
-        collapse: with ``triangles``: make up to so many times as many, then collapse the cheapest edges; 2 to 4 comes nearer.
-        fill, close_gaps, padding: as for `voxelize`, when the source is a mesh.
-        face_rule, dtype, local_frame: as for `surface`.
-        carry: give each level the colours and texture coordinates of the nearest points on the mesh.
-
-    Returns:
-        One `Mesh` a level, each with a ``report``: `bitvox.reports.LodReport`.
-
-    Raises:
-        ArgumentError: options that contradict each other. EmptyError: nothing inside. RangeError: a level finer than the
-        voxels; coordinates. MemoryLimitError.
-    """
-    if levels is not None and triangles is not None:
-        raise ArgumentError("levels and triangles contradict each other; give one of them")
-    if collapse is not None and triangles is None:
-        raise ArgumentError("collapse is taken together with triangles")
-    if edge_samples is not None and method.replace("_", "-") != "edge-ratio":
-        raise ArgumentError("edge_samples is for method 'edge-ratio'")
-    options = options_of("lod_options")
-    options.method = choice("method", method, "BVX_LOD_", ("edge-ratio", "coverage"))
-    options.threshold = float(threshold)
-    options.edge_samples = 0 if edge_samples is None else in_range("edge_samples", edge_samples, 1, 65536)
-    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
-    options.local_frame = int(bool(local_frame))
-    options.collapse = 0.0 if collapse is None else float(collapse)
-    count, finest, kept = _set_levels(options, levels, triangles)
-    if getattr(source, "ndim", 0) == 3 and tuple(source.shape[1:]) == (3, 3):
-        raise ArgumentError(f"an array of shape {tuple(source.shape)} may be triangles or voxels: give Mesh(array) or Grid.from_numpy(array)")
-    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
-    mesh: Mesh | None = None
-    if isinstance(source, Grid) or (getattr(source, "ndim", 0) == 3 and not hasattr(source, "faces")):
-        for name, value in {"resolution": resolution, "fill": fill, "close_gaps": close_gaps, "padding": padding, "carry": carry or None}.items():
-            if value is not None:
-                raise ArgumentError(f"{name} is for a source that is a mesh")
-        solid = _grid_of(source)
-    else:
-        mesh = Mesh.of(source)
-        options.source_triangles = mesh.n_faces
-        if resolution is None:
-            resolution = _resolution_of(mesh, finest or _finest_for(mesh, triangles, collapse))
-        solid = voxelize(mesh, resolution=resolution, fill=fill, close_gaps=close_gaps, padding=padding or 0, **limits)
-    reports = ffi.new("bvx_lod_report[]", count)
-    options.reports = reports
-    made = _build_levels(solid, options, count, dtype, limits)
-    result = []
-    for i, one in enumerate(made):
-        if carry and mesh is not None:
-            carried(mesh, one, limits)
-        level = Mesh._made(one)
-        level.report = record(reports[i])
-        result.append(level)
-    del kept
-    return result
-
-
-def _finest_for(mesh: Mesh, triangles: Any, collapse: float | None) -> int:
-    """Samples of the finest level: marching cubes makes about three triangles for each square as large as a sample."""
-    found = mesh.check()
-    if not found.area > 0.0:
-        return 1
-    most = max(triangles) if _many(triangles) else triangles
-    longest = max(b - a for a, b in zip(found.low, found.high))
-    return max(1, int((float(most) * (collapse or 1.0) / 3.0 * longest * longest / found.area) ** 0.5 + 0.5))
-
-
-def _resolution_of(mesh: Mesh, finest: int) -> int:
-    """Eight times the finest level, or as much as 1 GiB of bits allows."""
-    wanted = min(8 * finest, 2**20)
-    low, high = mesh.bounds
-    sides = [b - a for a, b in zip(low, high)]
-    longest = max(sides) or 1.0
-    while wanted > finest:
-        x, y, z = (s / longest * wanted + 1 for s in sides)
-        if (x / 64 + 1) * 8 * y * z <= 2**30:
-            break
-        wanted = max(finest, wanted * 7 // 8)
-    return wanted
-
-
-def _set_levels(options: Any, levels: Any, triangles: Any) -> tuple[int, int, Any]:
-    """Which levels are wanted: their count, samples of the finest, and the array that options point at."""
-    if triangles is not None:
-        wanted = [in_range("triangles", n, 1, 2**64 - 1) for n in ([triangles] if not _many(triangles) else triangles)]
-        array = ffi.new("uint64_t[]", wanted or [0])
-        options.target_triangles = array
-        return _some(wanted, "triangles"), 0, array
-    given = (64, 32, 16) if levels is None else levels if _many(levels) else [levels]
-    given = list(given)
-    _some(given, "levels")
-    if any(_many(level) for level in given):
-        flat = [n for level in given for n in arrays.triple("levels", level, int)]
-        array = ffi.new("int32_t[]", flat)
-        options.axis_resolutions = array
-        return len(given), max(flat), array
-    wanted = [in_range("levels", n, 1, 2**25) for n in given]
-    array = ffi.new("int32_t[]", wanted)
-    options.resolutions = array
-    return len(wanted), max(wanted), array
-
-
-def _many(value: Any) -> bool:
-    return hasattr(value, "__len__") or hasattr(value, "__iter__")
-
-
-def _some(values: list[Any], name: str) -> int:
-    if not values:
-        raise ArgumentError(f"{name} names none")
-    return len(values)
-
-
-def _build_levels(solid: Grid, options: Any, count: int, dtype: Any, limits: dict[str, Any]) -> list[Any]:
-    """The levels as bvx_meshes of their own."""
-    options.position_type = lib.BVX_F32 if dtype is None else position_type(dtype)
-    with Run(**limits) as run:
-        array = ffi.new("bvx_mesh[]", count)
-        status = lib.bvx_build_lods(run.context, solid._c, options, count, array)
-        if dtype is None and status == lib.BVX_ERR_RANGE and "take f64" in run.message():
-            options.position_type = lib.BVX_F64
-            status = lib.bvx_build_lods(run.context, solid._c, options, count, array)
-        run.check(status)
-    made = []
-    for i in range(count):
-        one = new_mesh()
-        one[0] = array[i]
-        made.append(one)
-    return made
 
 
 def carried(source: Mesh, target: Any, limits: dict[str, Any]) -> None:
@@ -601,6 +442,8 @@ def repair(
     least_part: int = 0,
     least_cavity: int = 0,
     triangles: int | None = None,
+    error: float | str | None = None,
+    error_kind: str | None = None,
     measure: bool = False,
     measure_samples: int | None = None,
     carry: bool = False,
@@ -622,7 +465,10 @@ def repair(
         sharp: cells on sharp edges and corners get a vertex there.
         shell: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
         least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels].
-        triangles: most triangles, by the largest resolution that a search finds not to exceed them; 0 or None: no limit.
+        triangles: most triangles: edges of the result collapse as by `simplify`, which is nearer than the search for a
+            resolution that earlier versions made; 0 or None: no limit.
+        error: as few triangles as keep this distance to the repaired surface: a number [world], or a part of its diagonal
+            as ``"0.1%"``; in place of ``triangles``. error_kind: "mean" (the default) or "max" distance.
         measure: measure the distances between input and result, from ``measure_samples`` points a side.
         carry: give the result the colours and texture coordinates of the nearest points on the mesh.
         face_rule, dtype, local_frame: as for `surface`.
@@ -630,6 +476,8 @@ def repair(
     Returns:
         A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) tells what was found and done: ``holes``, ``hole_length``
         [world], ``shelled``, ``overlaps``, the certificates ``before`` and ``after``, ``distance`` when measured ...
+        With ``triangles`` or ``error``, ``after`` and ``distance`` are of the collapsed mesh, ``mean_off_caps`` and ``max_off_caps`` of
+        the surface before it.
 
     Raises:
         EmptyError: no triangle of area, or nothing left. ArgumentError: options that contradict each other. RangeError: see
@@ -651,7 +499,7 @@ def repair(
         options.shell = float(shell)
     options.least_part = in_range("least_part", least_part, 0, 2**64 - 1)
     options.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
-    options.target_triangles = 0 if triangles is None else in_range("triangles", triangles, 0, 2**64 - 1)
+    targets = level_target(triangles, error, error_kind)
     if measure_samples is not None:
         if not measure:
             raise ArgumentError("measure_samples is taken together with measure")
@@ -661,10 +509,40 @@ def repair(
     source = Mesh.of(mesh)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     made = with_positions(options, dtype, lambda run, out: mend(run.context, source._view(run), options, out), **limits)
+    found = record(report)
+    small = collapsed(made, targets, limits)
+    if small is not made:
+        found = found._replace(after=small.report.certificate)
+        if measure:
+            found = found._replace(distance=compare(source, small, samples=options.measure_samples, **limits))
+        made = small
     if carry:
         made = carry_over(source, made, **limits)
-    made.report = record(report)
+    made.report = found
     return made
+
+
+def level_target(triangles: Any, error: Any, error_kind: str | None) -> dict[str, Any]:
+    """What a result is to be collapsed to, as options of `simplify`; none where it stays as it is."""
+    if triangles is not None and error is not None:
+        raise ArgumentError("triangles and error contradict each other; give one of them")
+    for name, value in {"triangles": triangles, "error": error}.items():
+        if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0):
+            raise ArgumentError(f"{name} is one number here; Mesh.simplify takes several")
+    if error is not None:
+        return {"error": error, "error_kind": error_kind}
+    if error_kind is not None:
+        raise ArgumentError("error_kind is taken together with error")
+    return {"triangles": triangles} if triangles is not None and in_range("triangles", triangles, 0, 2**64 - 1) else {}
+
+
+def collapsed(made: Mesh, targets: dict[str, Any], limits: dict[str, Any]) -> Mesh:
+    """A closed mesh that a stage made, with fewer triangles where they are asked for."""
+    if not targets or made.n_faces == 0:
+        return made
+    from ._levels import simplify
+
+    return simplify(made, **targets, **limits)
 
 
 def boolean(
@@ -678,6 +556,9 @@ def boolean(
     interpolation: str | None = None,
     face_rule: str = "separate",
     sharp: bool = False,
+    triangles: int | None = None,
+    error: float | str | None = None,
+    error_kind: str | None = None,
     dtype: Any = None,
     local_frame: bool = False,
     threads: int | None = None,
@@ -696,6 +577,7 @@ def boolean(
         fill: what is inside a mesh: "parity", "nonzero", "vote" or "winding".
         interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
         sharp: cells on sharp edges and corners, and where the meshes meet, get a vertex there.
+        triangles, error, error_kind: most triangles of the result, or its distance to what it would be without: as for `repair`.
         face_rule, dtype, local_frame: as for `surface`.
 
     Returns:
@@ -716,10 +598,12 @@ def boolean(
     options.sharp, options.local_frame = int(bool(sharp)), int(bool(local_frame))
     report = ffi.new("bvx_boolean_report *")
     options.report = report
+    targets = level_target(triangles, error, error_kind)
     first, second = Mesh.of(a), Mesh.of(b)
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     made = with_positions(
-        options, dtype, lambda run, out: lib.bvx_boolean(run.context, first._view(run), second._view(run), number, options, out),
-        threads=threads, memory_limit=memory_limit, progress=progress)
+        options, dtype, lambda run, out: lib.bvx_boolean(run.context, first._view(run), second._view(run), number, options, out), **limits)
+    made = collapsed(made, targets, limits)
     made.report = record(report)
     return made
 

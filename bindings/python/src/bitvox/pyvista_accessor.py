@@ -9,7 +9,7 @@ from typing import Any
 
 import pyvista
 
-from . import _stages
+from . import _levels, _stages
 from ._errors import ArgumentError
 from ._field import field as measure
 from ._grid import Grid
@@ -28,7 +28,12 @@ class MeshAccessor:
 
     def lod(self, **options: Any) -> list[Any]:
         """Levels of detail as PolyData; options as for `bitvox.lod`."""
-        return [level.to_pyvista() for level in _stages.lod(self._dataset, **options)]
+        return [level.to_pyvista() for level in _levels.lod(self._dataset, **options)]
+
+    def simplify(self, **options: Any) -> Any:
+        """A PolyData of fewer triangles, or a list of them; options as for `bitvox.simplify`."""
+        made = _levels.simplify(self._dataset, **options)
+        return [level.to_pyvista() for level in made] if isinstance(made, list) else made.to_pyvista()
 
     def repair(self, **options: Any) -> Any:
         """A closed PolyData; options as for `bitvox.repair`."""

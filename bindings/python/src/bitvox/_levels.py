@@ -1,0 +1,495 @@
+"""Levels of detail: edges that collapse, on meshes as they are or measured, and the paper's methods on voxels."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Sequence, Union
+
+from . import _arrays as arrays
+from ._errors import ArgumentError, EmptyError
+from ._grid import Grid
+from ._lattice import Lattice
+from ._mesh import Mesh, new_mesh, position_type
+from ._records import record
+from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
+from ._stages import carried, grid_of, surface, voxelize
+
+if TYPE_CHECKING:
+    from .reports import LevelsReport
+
+ERROR_KINDS = ("mean", "max")
+SOURCES = ("auto", "mesh", "measured")
+METHODS = ("collapse", "edge-ratio", "coverage")
+HALVINGS, FEWEST = 4, 20  # levels by halving where none are asked for, and triangles that the last one has at least
+
+Distance = Union[float, str]
+
+
+class Levels(list):
+    """The meshes of `lod`, finest first as they were asked for: a list.
+
+    Attributes:
+        report: `bitvox.reports.LevelsReport`: whether the levels were made from the mesh itself or from its measured surface
+            (``source``), what the mesh was (``before``), and what was done to it (``repair``). None for the methods "edge-ratio"
+            and "coverage".
+    """
+
+    report: LevelsReport | None = None
+
+
+# ---- what is asked for ----
+
+
+def _many(value: Any) -> bool:
+    return not isinstance(value, str) and (hasattr(value, "__len__") or hasattr(value, "__iter__")) and getattr(value, "ndim", 1) > 0
+
+
+def _listed(value: Any, name: str) -> list[Any]:
+    values = list(value) if _many(value) else [value]
+    if not values:
+        raise ArgumentError(f"{name} names none")
+    return values
+
+
+def _error_of(mesh: Mesh, value: Any) -> float:
+    """A distance in the mesh's units; "0.1%" is of the diagonal of its bounds."""
+    text = value.strip() if isinstance(value, str) else value
+    share = isinstance(text, str) and text.endswith("%")
+    try:
+        if isinstance(text, bool):
+            raise TypeError
+        number = float(text[:-1] if share else text)
+    except (TypeError, ValueError):
+        raise ArgumentError(f'error is {value!r}; it must be a distance, or a part of the diagonal as "0.1%"') from None
+    if not 0.0 < number < float("inf"):
+        raise ArgumentError(f"error is {value!r}; it must be above 0 and finite")
+    return number * (_diagonal(mesh) / 100.0) if share else number
+
+
+def _diagonal(mesh: Mesh) -> float:
+    """Of the bounds of the used vertices; squares of large sides would be infinite."""
+    found = mesh.check()
+    sides = [b - a for a, b in zip(found.low, found.high)]
+    longest = max(sides)
+    if not longest > 0.0:
+        raise EmptyError("no triangle has an area: there is no diagonal that error could be a part of")
+    return longest * math.sqrt(sum((side / longest) * (side / longest) for side in sides))
+
+
+def _falls(values: list[Any], name: str, rising: bool) -> None:
+    """Each level is made from the one before, so a level cannot be finer than that."""
+    for i in range(1, len(values)):
+        if values[i] < values[i - 1] if rising else values[i] > values[i - 1]:
+            raise ArgumentError(f"{name} of level {i} is {values[i]} after {values[i - 1]}: each level is made from the one before; "
+                                "give the finest first")
+
+
+class _Targets:
+    """Which levels are wanted; owns the array that options point at."""
+
+    def __init__(self, options: Any, mesh: Mesh, triangles: Any, error: Any, error_kind: str | None, count: int | None) -> None:
+        given = {"triangles": triangles, "error": error, "count": count}
+        named = [name for name, value in given.items() if value is not None]
+        if len(named) > 1:
+            raise ArgumentError(f"{' and '.join(named)} contradict each other; give one of them")
+        if error_kind is not None:
+            if error is None:
+                raise ArgumentError("error_kind is taken together with error")
+            options.error_kind = choice("error_kind", error_kind, "BVX_ERROR_", ERROR_KINDS)
+        self.array = None
+        if triangles is not None:
+            wanted = [in_range("triangles", n, 1, 2**64 - 1) for n in _listed(triangles, "triangles")]
+            _falls(wanted, "triangles", rising=False)
+            self.array = options.target_triangles = ffi.new("uint64_t[]", wanted)
+            self.count = len(wanted)
+        elif error is not None:
+            errors = [_error_of(mesh, e) for e in _listed(error, "error")]
+            _falls(errors, "error", rising=True)
+            self.array = options.target_errors = ffi.new("double[]", errors)
+            self.count = len(errors)
+        else:
+            self.count = _halvings(mesh.n_faces) if count is None else in_range("count", count, 1, 64)
+
+
+def _halvings(triangles: int) -> int:
+    """Levels by halving where none are asked for: as many as leave so many triangles, but one at least."""
+    levels = 1
+    while levels < HALVINGS and triangles >> (levels + 1) >= FEWEST:
+        levels += 1
+    return levels
+
+
+def _take(array: Any, count: int) -> list[Any]:
+    """An array of bvx_meshes that the library made, as bvx_meshes of their own."""
+    made = []
+    for i in range(count):
+        one = new_mesh()
+        one[0] = array[i]
+        made.append(one)
+    return made
+
+
+def _meshes(made: list[Any], reports: Any, carry_from: Mesh | None, limits: dict[str, Any]) -> Levels:
+    result = Levels()
+    for i, one in enumerate(made):
+        if carry_from is not None:
+            carried(carry_from, one, limits)
+        level = Mesh._made(one)
+        level.report = record(reports[i])
+        result.append(level)
+    return result
+
+
+# ---- fewer triangles for a closed mesh ----
+
+
+def simplify(
+    mesh: Any,
+    *,
+    triangles: int | Sequence[int] | None = None,
+    error: Distance | Sequence[Distance] | None = None,
+    error_kind: str | None = None,
+    count: int | None = None,
+    even: float | None = None,
+    strict: bool = False,
+    samples: int | None = None,
+    carry: bool = False,
+    dtype: Any = None,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Any:
+    """Fewer triangles for a closed, manifold, oriented mesh, by collapsing the edges that cost least.
+
+    The result is closed, manifold and oriented, with the mesh's components and handles, and without crossing triangles where the
+    mesh has none. The order of vertices and triangles does not change it. `lod` takes any mesh, `repair` makes such meshes.
+
+    Args:
+        mesh: what `Mesh.of` takes; vertices at equal positions are one.
+        triangles: most triangles, of one level or of several, the finest first.
+        error: largest distance between mesh and level, of one level or of several, the finest first: a number [world], or a
+            part of the diagonal of the mesh's bounds as ``"0.1%"``.
+        error_kind: of ``error``: "mean" (the default) or "max" distance, measured both ways.
+        count: so many levels, each with half of the triangles of the one before. With none of these: one level of half.
+        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
+        strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
+        samples: measure the distances between mesh and level from so many points a side, for the report; 0 or None: they are not.
+        carry: give the result the colours and texture coordinates of the nearest points on the mesh.
+        dtype: float32 or float64; None: the mesh's own.
+
+    Returns:
+        A `Mesh` for one target, a list for a sequence of targets or a ``count``; ``mesh.report`` is a
+        `bitvox.reports.LevelReport`: ``met``, ``certificate``, ``crossings``, ``least_angle``, ``distance`` when measured ...
+
+    Raises:
+        ArgumentError: the mesh is open, not manifold or not oriented, with an edge; options that contradict each other.
+        EmptyError: no triangles. RangeError: a target that cannot be kept with ``strict``; coordinates. MemoryLimitError.
+    """
+    source = Mesh.of(mesh)
+    options = options_of("simplify_options")
+    single = count is None and not _many(triangles) and not _many(error)
+    targets = _Targets(options, source, triangles, error, error_kind, 1 if single and triangles is None and error is None else count)
+    _set_common(options, even, strict, samples, dtype)
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+
+    # About its own frame, so that float32 stays float32; the frame goes to the levels.
+    frame, local = source.frame, source
+    if any(frame):
+        local = source.astype()
+        local.frame = (0.0, 0.0, 0.0)
+    reports = ffi.new("bvx_level_report[]", targets.count)
+    options.reports = reports
+    array = ffi.new("bvx_mesh[]", targets.count)
+    with Run(**limits) as run:
+        run.check(lib.bvx_mesh_simplify(run.context, local._view(run), options, targets.count, array))
+    levels = _meshes(_take(array, targets.count), reports, local if carry else None, limits)
+    for level in levels if any(frame) else ():
+        level.frame, found = frame, level.report.certificate
+        low, high = (tuple(x + f for x, f in zip(corner, frame)) for corner in (found.low, found.high))
+        level.report = level.report._replace(certificate=found._replace(low=low, high=high))
+    return levels[0] if single else list(levels)
+
+
+def _set_common(options: Any, even: float | None, strict: bool, samples: int | None, dtype: Any) -> None:
+    """What simplify_options and levels_options share."""
+    if even is not None:
+        options.even = float(even)
+    options.strict = int(bool(strict))
+    options.measure_samples = 0 if samples is None else in_range("samples", samples, 0, 2**31 - 1)
+    options.position_type = 0 if dtype is None else position_type(dtype)
+
+
+# ---- levels of any mesh ----
+
+
+def plan_levels(
+    mesh: Any,
+    *,
+    triangles: int | Sequence[int] | None = None,
+    error: Distance | Sequence[Distance] | None = None,
+    count: int | None = None,
+    memory_limit: int | None = None,
+) -> int:
+    """The resolution that `lod` measures a mesh with where none is given.
+
+    Args:
+        mesh, triangles, error, count: as for `lod`.
+
+    Returns:
+        Voxels along the longest axis, as many as the finest level needs.
+    """
+    source = Mesh.of(mesh)
+    options, out = options_of("levels_options"), ffi.new("int32_t *")
+    targets = _Targets(options, source, triangles, error, None, count)
+    with Run(None, memory_limit) as run:
+        run.check(lib.bvx_plan_levels(run.context, source._view(run), options, targets.count, out))
+    return out[0]
+
+
+def lod(
+    source: Any,
+    *,
+    triangles: int | Sequence[int] | None = None,
+    error: Distance | Sequence[Distance] | None = None,
+    error_kind: str | None = None,
+    count: int | None = None,
+    method: str | None = None,
+    made_from: str | None = None,
+    resolution: Any = None,
+    lattice: Lattice | None = None,
+    sign: str | None = None,
+    sharp: bool | None = None,
+    outer_hull: bool = False,
+    shell: float | None = None,
+    least_part: int | None = None,
+    least_cavity: int | None = None,
+    even: float | None = None,
+    strict: bool = False,
+    samples: int | None = None,
+    levels: int | Sequence[Any] | None = None,
+    threshold: float | None = None,
+    edge_samples: int | None = None,
+    collapse: float | None = None,
+    fill: str | None = None,
+    close_gaps: int | None = None,
+    padding: int | None = None,
+    face_rule: str | None = None,
+    local_frame: bool = False,
+    carry: bool = False,
+    dtype: Any = None,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Levels:
+    """Levels of detail: closed meshes of several sizes from any mesh, or from a grid.
+
+    The method "collapse" takes a mesh as it is where that gives whole levels; else it measures the surface first, as `repair`
+    does: holes get lids, overlapping parts become one, sheets become shells. Then edges collapse, each level from the one before.
+    Every level is closed, manifold and oriented, and no two of its triangles cross. "edge-ratio" and "coverage" are those of
+    the paper: they lay coarser lattices over the voxels of the mesh, or over a grid.
+
+    Args:
+        source: what `Mesh.of` takes; a `Grid` or a three-dimensional array.
+        triangles: most triangles of each level, the finest first.
+        error: largest distance between source and level, the finest first: numbers [world], or parts of the diagonal of the
+            mesh's bounds as ``"0.1%"``.
+        error_kind: of ``error``: "mean" (the default) or "max" distance, measured both ways.
+        count: so many levels, each with half of the triangles of the one before, the first with half of the source's. Default
+            where no level is asked for: 4, or as many as leave 20 triangles.
+        method: "collapse", "edge-ratio" or "coverage". Default: "collapse"; "edge-ratio" for a grid, and with an option that
+            only the paper's methods have.
+        made_from: "mesh": the mesh itself, which must be closed, manifold and oriented. "measured": the surface that `repair`
+            makes of it. "auto": the mesh where that gives whole levels, else measured (the program's ``--source``).
+        resolution: voxels along the longest axis to measure with. Default: as many as the finest level needs, see
+            `plan_levels`. The paper's methods: of the voxelization; default: 8 times the finest level, less where its bits would take
+            more than 1 GiB.
+        lattice: a `Lattice` to measure on, in place of a resolution.
+        sign: measured: what decides that a centre is inside, as for `repair`.
+        sharp: measured: vertices on sharp edges and corners: always, never, or (None) where many of the mesh's edges are sharp.
+        outer_hull: measured: inner shells and cavities go.
+        shell: measured: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
+        least_part, least_cavity: measured: smaller pieces are dropped, smaller cavities filled [voxels].
+        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
+        strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
+        samples: measure the distances between source and level from so many points a side, for the reports; 0 or None: they are not.
+        levels: the paper's methods: samples along the longest axis of each level, or triples along x, y, z. Default (64, 32, 16).
+        threshold: the paper's methods: a sample above it is inside, between 0 and 1. Default 0.5.
+        edge_samples: "edge-ratio": steps along an edge. Default: the ratio, rounded up.
+        collapse: the paper's methods, with ``triangles``: make up to so many times as many, then collapse the cheapest edges.
+        fill, close_gaps, padding: the paper's methods: as for `voxelize`, when the source is a mesh.
+        face_rule, local_frame: the paper's methods: as for `surface`.
+        carry: give each level the colours and texture coordinates of the nearest points on the mesh.
+        dtype: float32 or float64. None: the mesh's own, float32 where voxels are made, or float64 where that cannot tell positions apart.
+
+    Returns:
+        A list of one `Mesh` a level, each with a ``report``, a `bitvox.reports.LevelReport` (``met``, ``certificate``,
+        ``least_angle``, ``distance`` when measured), or a `bitvox.reports.LodReport` by the paper's methods. The list's own
+        ``report`` is a `bitvox.reports.LevelsReport`.
+
+    Raises:
+        ArgumentError: options that contradict each other. EmptyError: nothing inside. RangeError: a target that cannot be kept
+        with ``strict``; a level finer than the voxels; coordinates. MemoryLimitError.
+    """
+    of_collapse = {"error": error, "error_kind": error_kind, "count": count, "made_from": made_from, "lattice": lattice, "sign": sign,
+                   "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,
+                   "least_cavity": least_cavity, "even": even, "strict": strict or None, "samples": samples}
+    of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
+                 "close_gaps": close_gaps, "padding": padding, "face_rule": face_rule, "local_frame": local_frame or None}
+    asked = {name: value for name, value in of_voxels.items() if value is not None}
+    other = [name for name, value in of_collapse.items() if value is not None]
+    if getattr(source, "ndim", 0) == 3 and tuple(source.shape[1:]) == (3, 3):
+        raise ArgumentError(f"an array of shape {tuple(source.shape)} may be triangles or voxels: give Mesh(array) or Grid.from_numpy(array)")
+    is_grid = isinstance(source, Grid) or (getattr(source, "ndim", 0) == 3 and not hasattr(source, "faces"))
+    limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+
+    chosen = _method(method, asked, other, is_grid)
+    if chosen != "collapse":
+        return _from_voxels(source, is_grid, chosen, triangles, resolution, carry, dtype, limits, **asked)
+    if is_grid and carry:
+        raise ArgumentError("carry is for a source that is a mesh")
+
+    mesh = surface(source, **limits) if is_grid else Mesh.of(source)
+    options = options_of("levels_options")
+    targets = _Targets(options, mesh, triangles, error, error_kind, count)
+    _set_common(options, even, strict, samples, dtype)
+    options.source = choice("made_from", "auto" if made_from is None else made_from, "BVX_LEVELS_", SOURCES)
+    if lattice is not None:
+        if resolution is not None:
+            raise ArgumentError("resolution and lattice contradict each other; give one of them")
+        options.lattice = lattice._c
+    if resolution is not None:
+        options.resolution = in_range("resolution", resolution, 1, 2**24)
+    options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", ("auto", "exact", "winding", "vote"))
+    options.sharp = -1 if sharp is None else int(bool(sharp))
+    options.outer = int(bool(outer_hull))
+    if shell is not None:
+        options.shell = float(shell)
+    options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+    options.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)
+    reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_levels_report *")
+    options.reports, options.report = reports, report
+
+    array = ffi.new("bvx_mesh[]", targets.count)
+    with Run(**limits) as run:
+        run.check(lib.bvx_build_levels(run.context, mesh._view(run), options, targets.count, array))
+    result = _meshes(_take(array, targets.count), reports, mesh if carry else None, limits)
+    result.report = record(report)
+    return result
+
+
+def _method(method: str | None, of_voxels: dict[str, Any], of_collapse: list[str], is_grid: bool) -> str:
+    """The method that was asked for, or that the other options ask for."""
+    if method is not None:
+        if not isinstance(method, str):
+            raise TypeError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
+        plain = method.lower().replace("_", "-")
+        if plain not in METHODS:
+            raise ArgumentError(f"method is {method!r}; it must be one of {', '.join(METHODS)}")
+        if plain == "collapse" and of_voxels:
+            raise ArgumentError(f"{next(iter(of_voxels))} is for the methods edge-ratio and coverage; method 'collapse' takes triangles, "
+                                "error or count")
+        if plain != "collapse" and of_collapse:
+            raise ArgumentError(f"{of_collapse[0]} is for method 'collapse', not for {plain!r}")
+        return plain
+    if of_voxels and of_collapse:
+        raise ArgumentError(f"{next(iter(of_voxels))} (of the methods edge-ratio and coverage) and {of_collapse[0]} (of method "
+                            "'collapse') contradict each other; give one of them")
+    if is_grid and of_collapse:
+        raise ArgumentError(f"{of_collapse[0]} is for method 'collapse': give method='collapse' to take the grid's surface as a mesh")
+    return "edge-ratio" if of_voxels or is_grid else "collapse"
+
+
+# ---- the paper's methods ----
+
+
+def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolution: Any, carry: bool, dtype: Any, limits: dict[str, Any], *,
+                 levels: Any = None, threshold: float = 0.5, edge_samples: int | None = None, collapse: float | None = None,
+                 fill: str | None = None, close_gaps: int | None = None, padding: int | None = None, face_rule: str = "separate",
+                 local_frame: bool = False) -> Levels:
+    if levels is not None and triangles is not None:
+        raise ArgumentError("levels and triangles contradict each other; give one of them")
+    if collapse is not None and triangles is None:
+        raise ArgumentError("collapse is taken together with triangles")
+    if edge_samples is not None and method != "edge-ratio":
+        raise ArgumentError("edge_samples is for method 'edge-ratio'")
+    options = options_of("lod_options")
+    options.method = choice("method", method, "BVX_LOD_", METHODS[1:])
+    options.threshold = float(threshold)
+    options.edge_samples = 0 if edge_samples is None else in_range("edge_samples", edge_samples, 1, 65536)
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.local_frame = int(bool(local_frame))
+    options.collapse = 0.0 if collapse is None else float(collapse)
+    count, finest, kept = _set_levels(options, levels, triangles)
+    mesh: Mesh | None = None
+    if is_grid:
+        for name, value in {"resolution": resolution, "fill": fill, "close_gaps": close_gaps, "padding": padding, "carry": carry or None}.items():
+            if value is not None:
+                raise ArgumentError(f"{name} is for a source that is a mesh")
+        solid = grid_of(source)
+    else:
+        mesh = Mesh.of(source)
+        options.source_triangles = mesh.n_faces
+        if resolution is None:
+            resolution = _resolution_of(mesh, finest or _finest_for(mesh, triangles, collapse))
+        solid = voxelize(mesh, resolution=resolution, fill=fill, close_gaps=close_gaps, padding=padding or 0, **limits)
+    reports = ffi.new("bvx_lod_report[]", count)
+    options.reports = reports
+    made = _build_levels(solid, options, count, dtype, limits)
+    del kept
+    return _meshes(made, reports, mesh if carry else None, limits)
+
+
+def _finest_for(mesh: Mesh, triangles: Any, collapse: float | None) -> int:
+    """Samples of the finest level: marching cubes makes about three triangles for each square as large as a sample."""
+    found = mesh.check()
+    if not found.area > 0.0:
+        return 1
+    most = max(triangles) if _many(triangles) else triangles
+    longest = max(b - a for a, b in zip(found.low, found.high))
+    return max(1, int((float(most) * (collapse or 1.0) / 3.0 * longest * longest / found.area) ** 0.5 + 0.5))
+
+
+def _resolution_of(mesh: Mesh, finest: int) -> int:
+    """Eight times the finest level, or as much as 1 GiB of bits allows."""
+    wanted = min(8 * finest, 2**20)
+    low, high = mesh.bounds
+    sides = [b - a for a, b in zip(low, high)]
+    longest = max(sides) or 1.0
+    while wanted > finest:
+        x, y, z = (s / longest * wanted + 1 for s in sides)
+        if (x / 64 + 1) * 8 * y * z <= 2**30:
+            break
+        wanted = max(finest, wanted * 7 // 8)
+    return wanted
+
+
+def _set_levels(options: Any, levels: Any, triangles: Any) -> tuple[int, int, Any]:
+    """Which levels are wanted: their count, samples of the finest, and the array that options point at."""
+    if triangles is not None:
+        wanted = [in_range("triangles", n, 1, 2**64 - 1) for n in _listed(triangles, "triangles")]
+        array = ffi.new("uint64_t[]", wanted)
+        options.target_triangles = array
+        return len(wanted), 0, array
+    given = _listed((64, 32, 16) if levels is None else levels, "levels")
+    if any(_many(level) for level in given):
+        flat = [n for level in given for n in arrays.triple("levels", level, int)]
+        array = ffi.new("int32_t[]", flat)
+        options.axis_resolutions = array
+        return len(given), max(flat), array
+    wanted = [in_range("levels", n, 1, 2**25) for n in given]
+    array = ffi.new("int32_t[]", wanted)
+    options.resolutions = array
+    return len(wanted), max(wanted), array
+
+
+def _build_levels(solid: Grid, options: Any, count: int, dtype: Any, limits: dict[str, Any]) -> list[Any]:
+    """The levels as bvx_meshes of their own."""
+    options.position_type = lib.BVX_F32 if dtype is None else position_type(dtype)
+    with Run(**limits) as run:
+        array = ffi.new("bvx_mesh[]", count)
+        status = lib.bvx_build_lods(run.context, solid._c, options, count, array)
+        if dtype is None and status == lib.BVX_ERR_RANGE and "take f64" in run.message():
+            options.position_type = lib.BVX_F64
+            status = lib.bvx_build_lods(run.context, solid._c, options, count, array)
+        run.check(status)
+    return _take(array, count)

@@ -1,0 +1,326 @@
+"""Levels of detail by edges that collapse: lod, simplify, plan_levels, and targets of the other stages."""
+
+import pickle
+
+import numpy as np
+import pytest
+from conftest import TETRAHEDRON, ball_grid, box_mesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import bitvox
+from bitvox import reports
+
+QUICK = settings(max_examples=25, deadline=None)
+
+
+def certified(mesh):
+    """All that a level promises."""
+    found = mesh.check()
+    assert found.closed and found.edge_manifold and found.vertex_manifold and found.oriented
+    if isinstance(mesh.report, reports.LevelReport):
+        assert mesh.report.crossings == 0 and mesh.report.certificate == found
+    if hasattr(bitvox.Mesh, "crossings"):
+        assert len(mesh.crossings()) == 0
+    return found
+
+
+def shuffled(mesh, seed):
+    """The same triangles with vertices and triangles in another order, each begun at another corner."""
+    rng = np.random.default_rng(seed)
+    order, rows = rng.permutation(mesh.n_vertices), rng.permutation(mesh.n_faces)
+    faces = np.argsort(order).astype(np.uint32)[np.asarray(mesh.faces)[rows]]
+    turn = (np.arange(3) + rng.integers(0, 3, (len(faces), 1))) % 3
+    return bitvox.Mesh(np.asarray(mesh.vertices)[order], np.take_along_axis(faces, turn, 1))
+
+
+def corners(mesh):
+    """Its triangles as sets of positions, whatever their order."""
+    triangles = np.asarray(mesh.vertices)[np.asarray(mesh.faces)]
+    first = np.lexsort(triangles.transpose(2, 0, 1)[::-1], axis=1)[:, :1]
+    turned = np.take_along_axis(triangles, ((first + np.arange(3)) % 3)[..., None], 1).reshape(-1, 9)
+    return turned[np.lexsort(turned.T[::-1])]
+
+
+# ---- simplify ----
+
+
+def test_simplify_keeps_flat_faces():
+    fine = bitvox.faces(np.ones((12, 12, 12), bool))
+    ideal = sorted((float(x), float(y), float(z)) for x in (0, 12) for y in (0, 12) for z in (0, 12))
+    for even, digits in ((0, 12), (None, 3)):
+        box = fine.simplify(triangles=12, even=even)
+        assert box.n_faces == 12 and certified(box).volume == pytest.approx(12.0**3, rel=1e-4)
+        assert sorted(map(tuple, np.round(np.asarray(box.vertices, float), digits).tolist())) == ideal
+        assert box.report.met and box.report.target == 12 and box.report.least_angle == pytest.approx(45, abs=0.01)
+
+
+def test_simplify_gives_a_mesh_or_a_list(knot):
+    one = bitvox.simplify(knot, triangles=2000)
+    assert isinstance(one, bitvox.Mesh) and one.n_faces <= 2000 and one.vertices.dtype == knot.vertices.dtype
+    several = knot.simplify(triangles=(8000, 2000, np.int64(500)))
+    assert type(several) is list and [level.report.target for level in several] == [8000, 2000, 500]
+    assert several == knot.simplify(triangles=np.array([8000, 2000, 500]))
+    assert [level.n_faces for level in knot.simplify(count=3)] == [19200, 9600, 4800]
+    half = knot.simplify()
+    assert isinstance(half, bitvox.Mesh) and half.n_faces == 19200 and half == knot.simplify(triangles=19200)
+    assert len(knot.simplify(triangles=[500])) == 1
+    for level in (one, half, *several):
+        assert certified(level).components == 1 and level.report.certificate.euler == 0
+        assert type(level.report) is reports.LevelReport
+    assert knot.simplify(triangles=500, dtype="float64").vertices.dtype == np.float64
+    assert pickle.loads(pickle.dumps(one)).report == one.report
+
+
+def test_errors_are_kept(knot):
+    low, high = np.array(knot.bounds)
+    diagonal = float(np.linalg.norm(high - low))
+    by_share = knot.simplify(error="0.1 %", samples=30000)
+    by_units = knot.simplify(error=0.001 * diagonal, samples=30000)
+    assert by_share == by_units and by_share.report.met and by_share.report.measured
+    assert by_share.report.distance.mean <= 0.001 * diagonal
+    assert bitvox.compare(knot, by_share, samples=30000).mean == pytest.approx(by_share.report.distance.mean, rel=0.05)
+    worst = knot.simplify(error="0.1%", error_kind="max")
+    assert worst.n_faces > by_share.n_faces
+    near, far = knot.simplify(error=["0.05%", 0.05])
+    assert near.n_faces > far.n_faces and near.report.target_error == pytest.approx(0.0005 * diagonal)
+    for level in (by_share, worst, near, far):
+        certified(level)
+
+
+@pytest.mark.parametrize("wrong", [0, -1, "0%", "much", "", "%", "1%%", float("nan"), float("inf"), "nan%", True, b"1%", [], [None], ["1%", "x"]])
+def test_errors_that_are_none(ball, wrong):
+    for call in (bitvox.simplify, bitvox.lod, bitvox.plan_levels):
+        with pytest.raises(bitvox.ArgumentError, match="error"):
+            call(ball, error=wrong)
+
+
+def test_targets_that_cannot_be_kept(ball):
+    least = ball.simplify(triangles=1)
+    assert not least.report.met and 4 <= least.n_faces < 50
+    certified(least)
+    with pytest.raises(bitvox.RangeError, match=f"level 0.* {least.n_faces} triangles"):
+        ball.simplify(triangles=1, strict=True)
+    with pytest.raises(bitvox.RangeError, match="level 1"):
+        bitvox.lod(ball, triangles=(100, 1), strict=True)
+    assert ball.simplify(triangles=10**9) == ball.simplify(triangles=ball.n_faces)  # nothing goes
+
+
+def test_meshes_that_simplify_refuses(ball):
+    torn = bitvox.Mesh(ball.vertices, np.asarray(ball.faces)[3:])
+    turned = bitvox.Mesh(ball.vertices, np.concatenate((np.asarray(ball.faces)[:1, ::-1], np.asarray(ball.faces)[1:])))
+    for mesh, words in ((torn, "edge"), (turned, "edge")):
+        with pytest.raises(bitvox.ArgumentError, match=words):
+            mesh.simplify(triangles=100)
+        for level in bitvox.lod(mesh, triangles=(200, 60)):
+            certified(level)
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32)).simplify(triangles=4)
+    with pytest.raises(bitvox.RangeError, match="vertex 2"):
+        bitvox.simplify((np.where(np.arange(12).reshape(4, 3) == 7, np.nan, TETRAHEDRON[0]), TETRAHEDRON[1]), error="1%")
+
+
+def test_soup_is_welded(ball):
+    soup = bitvox.Mesh(np.asarray(ball.vertices)[np.asarray(ball.faces)])
+    assert np.array_equal(corners(soup.simplify(triangles=300)), corners(ball.simplify(triangles=300)))
+
+
+@QUICK
+@given(st.integers(0, 2**32 - 1), st.floats(0.3, 0.7), st.integers(1, 400), st.sampled_from(["float32", "float64"]))
+def test_any_closed_mesh_in_any_order(seed, share, target, dtype):
+    noise = np.random.default_rng(seed).random((7, 6, 9)) < share
+    if not noise.any():
+        return
+    mesh = bitvox.surface(noise, dtype=dtype)
+    before = mesh.check()
+    level = mesh.simplify(triangles=target)
+    after = certified(level)
+    assert (after.components, after.euler) == (before.components, before.euler)
+    assert level.report.met == (level.n_faces <= target)
+    again = shuffled(mesh, seed).simplify(triangles=target)
+    assert np.array_equal(corners(level), corners(again))
+
+
+def test_frame_and_type_are_kept():
+    far = 1.0e7
+    grid = bitvox.Grid.from_numpy(ball_grid(20), spacing=0.25, corner=(far, -far, far))
+    mesh = grid.surface(local_frame=True, dtype="float32")
+    level = mesh.simplify(triangles=200)
+    assert level.frame == mesh.frame and level.vertices.dtype == np.float32
+    assert certified(level).low[0] == pytest.approx(far, abs=6) and level.bounds[0][0] == pytest.approx(mesh.bounds[0][0], abs=0.3)
+    mended = bitvox.repair(mesh, resolution=40, local_frame=True, dtype="float32", triangles=300)
+    assert mended.vertices.dtype == np.float32 and mended.n_faces <= 300 and any(mended.frame)
+    assert mended.bounds[0][0] == pytest.approx(mesh.bounds[0][0], abs=0.3)
+
+
+def test_colours_are_carried(ball):
+    red = np.asarray(ball.vertices)[:, 0] > np.median(np.asarray(ball.vertices)[:, 0])
+    painted = bitvox.Mesh(ball.vertices, ball.faces, colours=np.where(red[:, None], [255, 0, 0], [0, 0, 255]).astype(np.uint8))
+    for level in (painted.simplify(triangles=300, carry=True), *bitvox.lod(painted, triangles=300, carry=True)):
+        assert level.colours.shape == (level.n_vertices, 4) and {0, 255} <= set(level.colours[:, 0].tolist())
+    assert painted.simplify(triangles=300).colours is None
+
+
+# ---- lod ----
+
+
+def test_lod_without_options_halves(knot):
+    levels = bitvox.lod(knot)
+    assert isinstance(levels, list) and [level.n_faces for level in levels] == [19200, 9600, 4800, 2400]
+    assert type(levels.report) is reports.LevelsReport and levels.report.source == "mesh" and levels.report.before.closed
+    for level in levels:
+        certified(level)
+    assert levels == knot.simplify(count=4)
+    assert [level.n_faces for level in bitvox.lod(box_mesh())] == [bitvox.lod(box_mesh())[0].n_faces]  # 12 triangles: one level
+    assert len(bitvox.lod(knot, count=7)) == 7
+    copied = pickle.loads(pickle.dumps(levels))
+    assert copied == levels and copied.report == levels.report
+
+
+def test_lod_of_torn_meshes(knot):
+    torn = bitvox.Mesh(knot.vertices, np.asarray(knot.faces)[400:])
+    levels = bitvox.lod(torn, triangles=(4000, 1000), samples=5000)
+    assert levels.report.source == "measured" and not levels.report.before.closed and levels.report.repair.holes > 0
+    assert levels.report.triangles > 4000 and max(levels.report.repair.lattice.shape) >= bitvox.plan_levels(torn, triangles=(4000, 1000))
+    for level in levels:
+        assert certified(level).components == 1 and level.report.met and level.report.distance.mean < 0.05
+    measured = bitvox.lod(knot, triangles=1000, made_from="measured")
+    assert measured.report.source == "measured" and bitvox.lod(knot, triangles=1000, made_from="mesh").report.source == "mesh"
+    assert bitvox.lod(knot, triangles=1000, resolution=60).report.source == "measured"
+
+
+def test_what_the_lattice_decides():
+    outer, inner = ball_grid(40), np.pad(ball_grid(16), 12)
+    grain = np.zeros((60, 40, 40), bool)
+    grain[:40] = outer & ~inner
+    grain[55:57, 20:22, 20:22] = True
+    mesh = bitvox.surface(grain)
+    assert mesh.check().components == 3
+    whole = bitvox.lod(mesh, triangles=2000, made_from="measured", sign="exact", resolution=120)[0]
+    assert certified(whole).components == 3
+    hull = bitvox.lod(mesh, triangles=2000, outer_hull=True, sign="exact", resolution=120)[0]
+    assert certified(hull).components == 2 and hull.check().volume > whole.check().volume + 500
+    large = bitvox.lod(mesh, triangles=2000, least_part=5000, least_cavity=100000, sign="exact", resolution=120)
+    assert certified(large[0]).components == 1 and large.report.repair.parts_dropped == 1
+    assert bitvox.lod(mesh, triangles=500, lattice=bitvox.Lattice.fit(mesh, resolution=90, padding=2)).report.repair.lattice.shape[0] == 94
+
+
+def test_plan(knot):
+    assert 64 <= bitvox.plan_levels(knot, triangles=100) <= bitvox.plan_levels(knot) <= 512
+    assert bitvox.plan_levels(knot, triangles=(100, 50)) == bitvox.plan_levels(knot, triangles=[100])
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.plan_levels(([], []))
+
+
+@QUICK
+@given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.integers(1, 3))
+def test_any_triangles_give_levels_or_a_reason(seed, triangles, count):
+    rng = np.random.default_rng(seed)
+    soup = bitvox.Mesh(rng.uniform(-1, 1, (triangles, 3, 3)))
+    try:
+        levels = bitvox.lod(soup, triangles=[400 >> i for i in range(count)], resolution=24)
+    except bitvox.EmptyError:
+        return
+    assert len(levels) == count
+    for level in levels:
+        certified(level)
+
+
+def test_the_paper_s_methods_are_chosen_by_their_options(knot):
+    voxels = bitvox.voxelize(knot, resolution=64)
+    for levels in (bitvox.lod(knot, levels=16), bitvox.lod(voxels), bitvox.lod(voxels, triangles=900), bitvox.lod(voxels.to_numpy(), levels=(16, 8)),
+                   bitvox.lod(knot, triangles=900, collapse=2), bitvox.lod(knot, method="coverage"), bitvox.lod(knot, method="edge_ratio", triangles=900),
+                   bitvox.lod(knot, triangles=900, fill="vote"), bitvox.lod(knot, triangles=900, threshold=0.4)):
+        assert type(levels[0].report) is reports.LodReport and levels.report is None
+    smooth = bitvox.lod(voxels, method="collapse", triangles=900)
+    assert type(smooth[0].report) is reports.LevelReport and smooth[0].n_faces <= 900
+
+
+CONTRADICTIONS = [
+    ({"triangles": 100, "error": 0.1}, "triangles and error"), ({"triangles": 100, "count": 2}, "triangles and count"),
+    ({"error": "1%", "count": 2}, "error and count"), ({"error_kind": "max"}, "error_kind .* error"),
+    ({"error": "1%", "error_kind": "mode"}, "mean, max"), ({"triangles": (100, 200)}, "finest first"), ({"error": ("1%", "0.5%")}, "finest first"),
+    ({"triangles": ()}, "names none"), ({"error": 0.1, "levels": 8}, "levels .* error"), ({"levels": 8, "sharp": False}, "levels .* sharp"),
+    ({"method": "collapse", "levels": 8}, "levels is for .*; method 'collapse' takes triangles"), ({"method": "coverage", "error": "1%"}, "error is for method 'collapse'"),
+    ({"method": "edge-ratio", "strict": True}, "strict is for method 'collapse'"), ({"method": "magic"}, "collapse, edge-ratio, coverage"),
+    ({"made_from": "air"}, "auto, mesh, measured"), ({"made_from": "mesh", "resolution": 64}, "measured"), ({"made_from": "mesh", "outer_hull": True}, "measured"),
+    ({"resolution": 64, "lattice": bitvox.Lattice((4, 4, 4))}, "resolution and lattice"), ({"outer_hull": True, "least_cavity": 5}, "cavity"),
+    ({"sign": "none"}, "sign"), ({"even": 2}, "even"), ({"shell": 0.5, "made_from": "measured"}, "shell"), ({"dtype": "int8"}, "dtype"),
+]
+
+
+@pytest.mark.parametrize("options, words", CONTRADICTIONS)
+def test_contradictions(ball, options, words):
+    with pytest.raises(bitvox.ArgumentError, match=words):
+        bitvox.lod(ball, **options)
+
+
+def test_more_slips(ball):
+    grid = bitvox.voxelize(ball, resolution=16)
+    for call, kind, words in (
+        (lambda: bitvox.lod(grid, error="1%"), ValueError, "method='collapse'"), (lambda: bitvox.lod(grid, triangles=50, carry=True), ValueError, "carry"),
+        (lambda: bitvox.lod(grid, method="collapse", triangles=50, carry=True), ValueError, "carry"),
+        (lambda: bitvox.lod(ball, method=3), TypeError, "method"), (lambda: bitvox.lod(ball, triangles=99.5), TypeError, "whole number"),
+        (lambda: bitvox.lod(ball, triangles=0), bitvox.RangeError, "triangles"), (lambda: bitvox.lod(ball, count=0), bitvox.RangeError, "count"),
+        (lambda: bitvox.lod(ball, resolution=0), bitvox.RangeError, "resolution"), (lambda: ball.simplify(100), TypeError, "positional"),
+        (lambda: bitvox.repair(ball, triangles=(20, 10)), ValueError, "Mesh.simplify takes several"),
+        (lambda: bitvox.repair(ball, triangles=20, error="1%"), ValueError, "triangles and error"),
+        (lambda: bitvox.simplify(grid, triangles=20), TypeError, "Grid"),
+    ):
+        with pytest.raises(kind, match=words):
+            call()
+
+
+def test_progress_cancel_and_limits(knot):
+    seen = []
+    levels = bitvox.lod(knot, triangles=(4000, 1000), progress=lambda stage, fraction: seen.append((stage, fraction)))
+    assert len(seen) > 5 and all(0 <= fraction <= 1 for _, fraction in seen)
+    assert levels == bitvox.lod(knot, triangles=(4000, 1000), threads=1) == bitvox.lod(knot, triangles=(4000, 1000), threads=3)
+    for stop in range(0, len(seen), max(1, len(seen) // 7)):
+        left = [stop]
+
+        def cancel(stage, fraction, left=left):
+            left[0] -= 1
+            return left[0] >= 0
+
+        with pytest.raises(bitvox.Cancelled):
+            bitvox.lod(knot, triangles=(4000, 1000), progress=cancel)
+    with pytest.raises(bitvox.Cancelled):
+        knot.simplify(triangles=1000, progress=lambda *_: False)
+    for limit in (1000, 100_000, 1_000_000):
+        with pytest.raises(MemoryError):
+            bitvox.lod(knot, triangles=1000, memory_limit=limit)
+        with pytest.raises(bitvox.MemoryLimitError):
+            knot.simplify(triangles=1000, memory_limit=limit)
+    assert knot.simplify(triangles=1000, memory_limit=2**28).n_faces <= 1000
+
+
+# ---- targets of the other stages ----
+
+
+def test_repair_to_a_target(knot):
+    torn = bitvox.Mesh(knot.vertices, np.asarray(knot.faces)[400:])
+    whole = bitvox.repair(torn, resolution=100)
+    small = bitvox.repair(torn, resolution=100, triangles=3000, measure=True, measure_samples=5000)
+    assert certified(small).triangles <= 3000 and small == whole.simplify(triangles=3000)
+    assert type(small.report) is reports.RepairReport and small.report.holes > 0
+    assert small.report.after == small.check() and small.report.distance == bitvox.compare(torn, small, samples=5000)
+    assert bitvox.repair(torn, resolution=100, error="0.2%") == whole.simplify(error="0.2%")
+    assert bitvox.repair(torn, resolution=100, triangles=0) == whole
+    flipped = box_mesh()[0], np.concatenate((box_mesh()[1][:4, ::-1], box_mesh()[1][4:]))
+    assert bitvox.repair(flipped, sharp=True, resolution=64, triangles=12).n_faces < bitvox.repair(flipped, sharp=True, resolution=64).n_faces / 50
+
+
+def test_boolean_and_sections_to_a_target(knot):
+    moved = bitvox.Mesh(np.asarray(knot.vertices) + np.float32(0.3), knot.faces)
+    both = bitvox.boolean(knot, moved, "union", resolution=80, triangles=2000)
+    assert certified(both).triangles <= 2000 and type(both.report) is reports.BooleanReport
+    far = bitvox.Mesh(np.asarray(knot.vertices) + np.float32(100), knot.faces)
+    assert bitvox.boolean(knot, far, "intersection", resolution=80, triangles=2000).n_faces == 0
+    around = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    loops = [np.column_stack([r * np.cos(around), r * np.sin(around), np.full(60, z)]) for z, r in ((0, 3.0), (2, 4.0), (5, 2.5))]
+    body = bitvox.from_sections(loops, spacing=0.5)
+    small = bitvox.from_sections(loops, spacing=0.5, error="0.2%")
+    assert certified(small).triangles < body.n_faces / 2 and type(small.report) is reports.SectionsReport
+    with pytest.raises(bitvox.ArgumentError, match="open"):
+        bitvox.from_sections(loops, caps="open", triangles=100)

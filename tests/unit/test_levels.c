@@ -1,0 +1,581 @@
+/* test_levels.c - bvx_build_levels and bvx_plan_levels: sound meshes as they are, all others measured; every level closed, manifold and
+ * without crossing triangles, whatever the input. */
+#include "tools/defect_maker.h"
+
+#include "levels_support.h"
+
+static bvx_levels_report found;
+
+static bvx_levels_options defaults(void)
+{
+    bvx_levels_options o;
+    bvx_levels_options_init(&o, sizeof o);
+    o.reports = report;
+    o.report = &found;
+    return o;
+}
+
+static void build(const bvx_levels_options *o, uint64_t count)
+{
+    bvx_mesh_view const view = maker_view(&mesh);
+    drop_levels();
+    memset(&found, 0x55, sizeof found);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, o, count, level), bvx_last_message(ctx));
+}
+
+/* Levels of a surface of that many handles and pieces; -1 pieces: any, since nobody knows. */
+static void check_levels(const char *name, const uint64_t *targets, uint64_t count, int64_t euler, int64_t components)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        bvx_certificate const c = certificate_of(&level[i]), first = certificate_of(&level[0]);
+        snprintf(where, sizeof where, "%s, level %d: %lu triangles of %lu, %lu crumbs, %lu pieces", name, (int)i, (unsigned long)level[i].triangle_count,
+                 (unsigned long)found.triangles, (unsigned long)found.crumbs, (unsigned long)c.components);
+        assert_whole(&level[i], components < 0 ? first.euler : euler, components < 0 ? first.components : (uint64_t)components);
+        assert_no_crossings(&level[i]);
+        assert_report(&report[i], &level[i]);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(targets[i], report[i].target, where);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(level[i].triangle_count <= targets[i], report[i].met, where);
+        TEST_ASSERT_TRUE_MESSAGE(c.volume > 0, where);
+    }
+}
+
+/* ---- Sound meshes ---- */
+
+static void test_a_sound_mesh_is_simplified_as_it_is(void)
+{
+    for (int n = 0; n < LEVEL_SHAPES; n++)
+        for (int32_t source = BVX_LEVELS_AUTO; source <= BVX_LEVELS_MESH; source++) {
+            static const uint64_t targets[2] = {900, 200};
+            bvx_mesh alone[2] = {{0}};
+            bvx_levels_options o = defaults();
+            bvx_simplify_options s;
+            bvx_certificate before;
+            bvx_mesh_view view;
+            make_shape(&level_shapes[n]);
+            view = maker_view(&mesh);
+            o.target_triangles = targets;
+            o.position_type = BVX_F64;
+            o.source = source;
+            build(&o, 2);
+            check_levels(level_shapes[n].name, targets, 2, level_shapes[n].euler, (int64_t)level_shapes[n].components);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_LEVELS_MESH, found.source, where);
+            TEST_ASSERT_EQUAL_UINT64_MESSAGE(mesh.triangles, found.triangles, where);
+            TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, found.crossings + found.crumbs, where);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &before));
+            TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, &found.before, sizeof before, where);
+            bvx_simplify_options_init(&s, sizeof s);
+            s.target_triangles = targets;
+            s.position_type = BVX_F64;
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &s, 2, alone));
+            for (int i = 0; i < 2; i++) {
+                assert_same_bytes(&alone[i], &level[i]);
+                bvx_mesh_free(ctx, &alone[i]);
+            }
+        }
+}
+
+/* ---- Meshes that are not ---- */
+
+enum { SPOILT_FLIPPED, SPOILT_OPEN, SPOILT_DOUBLED, SPOILT_OVERLAPPING, SPOILT_TOUCHING, SPOILT_SOUP, SPOILT_FLAT, SPOILT_WAYS };
+static const char *const spoilt_names[SPOILT_WAYS] = {"flipped", "open", "doubled", "overlapping", "touching", "soup", "with a flat triangle"};
+
+/* Thin, so that few voxels of the 256 along the longest axis are near it. */
+static void squeeze(void)
+{
+    for (size_t i = 0; i < 3 * mesh.vertices; i++)
+        if (i % 3 != 0) mesh.p[i] = 8 + (mesh.p[i] - 8) / 8;
+}
+
+static void spoil(int way)
+{
+    static const double low[3] = {5, 5, 5}, high[3] = {11, 11, 11};
+    make_shape(shape_named("sphere"));
+    switch (way) {
+    case SPOILT_FLIPPED: maker_flip(&mesh, 100, 300); break;
+    case SPOILT_OPEN:
+        for (int i = 0; i < 9; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+        break;
+    case SPOILT_DOUBLED:
+        for (size_t t = 0; t < 50; t++) maker_duplicate(&mesh, 7 * t);
+        break;
+    case SPOILT_OVERLAPPING: {
+        size_t const first = mesh.vertices;
+        level_round(&mesh, &seed, 4, 0, 16);
+        maker_shift(&mesh, first, 1.5, 1, 0.5);
+        break;
+    }
+    case SPOILT_TOUCHING: { /* two cubes that share a part of a face */
+        static const double a[3] = {3, 3, 3}, b[3] = {7, 7, 7}, c[3] = {7, 4, 4}, d[3] = {9, 6, 6};
+        maker_clear(&mesh);
+        maker_box(&mesh, a, b);
+        maker_box(&mesh, c, d);
+        break;
+    }
+    case SPOILT_FLAT: { /* an edge split on one side only, and the gap filled by a triangle without area */
+        uint32_t const a = mesh.t[0], b = mesh.t[1], c = mesh.t[2];
+        const double *const p = mesh.p + 3 * (size_t)a, *const q = mesh.p + 3 * (size_t)b;
+        uint32_t const v = maker_vertex(&mesh, 0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]), 0.5 * (p[2] + q[2]));
+        mesh.t[1] = v;
+        maker_triangle(&mesh, v, b, c);
+        maker_triangle(&mesh, a, b, v);
+        break;
+    }
+    default:
+        maker_clear(&mesh);
+        maker_soup(&mesh, &seed, 40, low, high, 1024);
+    }
+    squeeze();
+}
+
+static void test_what_is_not_sound_is_measured(void)
+{
+    for (int way = 0; way < SPOILT_WAYS; way++) {
+        static const uint64_t targets[3] = {2000, 400, 60};
+        bvx_levels_options o = defaults();
+        int32_t resolution = 0;
+        bvx_mesh_view view;
+        if (quick && way % 3 != 0) continue;
+        spoil(way);
+        view = maker_view(&mesh);
+        o.target_triangles = targets;
+        build(&o, 3);
+        check_levels(spoilt_names[way], targets, 3, 2, way == SPOILT_SOUP ? -1 : 1);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_LEVELS_MEASURED, found.source, where);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(way == SPOILT_OVERLAPPING || way == SPOILT_TOUCHING, found.crossings != 0, where);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_plan_levels(ctx, &view, &o, 3, &resolution));
+        for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[a] <= resolution + 16, where);
+        TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[0] >= resolution / 2, where);
+        TEST_ASSERT_TRUE_MESSAGE(report[0].met, where);
+        if (way == SPOILT_OPEN || way == SPOILT_FLIPPED || way == SPOILT_DOUBLED || way == SPOILT_FLAT) {
+            bvx_certificate whole;
+            make_shape(shape_named("sphere"));
+            squeeze();
+            view = maker_view(&mesh);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &whole));
+            TEST_ASSERT_TRUE_MESSAGE(fabs(certificate_of(&level[0]).volume - whole.volume) < 0.03 * whole.volume, where);
+        }
+    }
+}
+
+/* What the mesh is stays so when it is asked for by name: an answer, or a refusal that names an edge. */
+static void test_the_mesh_itself_when_asked_for(void)
+{
+    for (int way = 0; way < SPOILT_WAYS; way++) {
+        static const uint64_t target = 300;
+        bvx_levels_options o = defaults();
+        bvx_mesh_view view;
+        bvx_status status;
+        spoil(way);
+        view = maker_view(&mesh);
+        o.target_triangles = &target;
+        o.source = BVX_LEVELS_MESH;
+        drop_levels();
+        status = bvx_build_levels(ctx, &view, &o, 1, level);
+        snprintf(where, sizeof where, "%s: %s", spoilt_names[way], bvx_last_message(ctx));
+        if (way == SPOILT_OVERLAPPING || way == SPOILT_TOUCHING || way == SPOILT_FLAT) {
+            bvx_certificate c;
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, where);
+            c = certificate_of(&level[0]);
+            TEST_ASSERT_TRUE_MESSAGE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented, where);
+            TEST_ASSERT_EQUAL_UINT64_MESSAGE(way == SPOILT_FLAT ? 1 : 2, c.components, where);
+            TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
+        } else {
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_ARGUMENT, status, where);
+            TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_build_levels: "), where);
+            TEST_ASSERT_NULL(level[0].positions);
+        }
+    }
+}
+
+/* Turned faces of a cube: measured with its sharp edges, its twelve triangles come back. */
+static void test_a_cube_with_turned_faces_has_twelve_triangles(void)
+{
+    static const double low[3] = {4, 4, 4}, high[3] = {12, 12, 12};
+    static const uint64_t targets[2] = {400, 12};
+    bvx_levels_options o = defaults();
+    bvx_distance_report d;
+    bvx_mesh_view view, level_view;
+    maker_box(&mesh, low, high);
+    view = maker_view(&mesh);
+    maker_flip(&mesh, 0, 5);
+    o.target_triangles = targets;
+    build(&o, 2);
+    check_levels("turned cube", targets, 2, 2, 1);
+    bvx_mesh_view_of(&level[1], &level_view);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &level_view, 4000, 1, &d));
+    snprintf(where, sizeof where, "%lu triangles, at most %g off", (unsigned long)level[1].triangle_count, d.max);
+    TEST_ASSERT_EQUAL_UINT64_MESSAGE(12, level[1].triangle_count, where);
+    TEST_ASSERT_TRUE_MESSAGE(d.max < 0.08, where); /* a hundredth of the side */
+}
+
+/* Every defect that a shape can have, at two targets. */
+static void all_defects(int32_t resolution, int32_t sharp)
+{
+    defect_shape shape;
+    memset(&shape, 0, sizeof shape);
+    for (int kind = 0; kind < DEFECT_KINDS; kind++)
+        for (int32_t which = 0; which < (defect_kinds[kind].any_shape ? DEFECT_SHAPES : 1); which++) {
+            static const uint64_t targets[2] = {900, 120};
+            bvx_levels_options o = defaults();
+            char name[120];
+            defect_begin(&shape, which, &seed, resolution);
+            defect_kinds[kind].make(&shape, &seed);
+            mesh = shape.mesh;
+            o.resolution = resolution;
+            o.sharp = sharp;
+            o.target_triangles = targets;
+            o.position_type = kind % 2 == 0 ? BVX_F32 : BVX_F64;
+            snprintf(name, sizeof name, "%s with %s at %d, sharp %d", defect_shape_names[which], defect_kinds[kind].name, (int)resolution, (int)sharp);
+            snprintf(where, sizeof where, "%s", name);
+            build(&o, 2);
+            check_levels(name, targets, 2, 0, -1);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_LEVELS_MEASURED, found.source, where);
+            TEST_ASSERT_TRUE_MESSAGE(report[0].met, where);
+            TEST_ASSERT_EQUAL_UINT64_MESSAGE(o.sharp == 1 ? found.triangles : found.repair.after.triangles, found.triangles, where);
+            memset(&mesh, 0, sizeof mesh);
+        }
+    defect_end(&shape);
+}
+
+static void test_every_defect_gives_whole_levels(void)
+{
+    all_defects(20, 0);
+}
+
+static void test_every_defect_gives_whole_levels_when_sharp(void)
+{
+    all_defects(20, 1);
+}
+
+static void test_every_defect_gives_whole_levels_by_default(void)
+{
+    if (!quick) all_defects(41, -1);
+}
+
+/* ---- Options of the measured surface ---- */
+
+static void test_outer_and_parts_and_cavities(void)
+{
+    static const uint64_t target = 600;
+    bvx_levels_options o = defaults();
+    make_shape(shape_named("shell of a cube"));
+    level_round(&mesh, &seed, 0.3, 0, 6); /* a speck in the cavity, which is from 5 to 9 */
+    maker_shift(&mesh, mesh.vertices - (size_t)(5 * 9 + 2), -1, -1, -1);
+    o.target_triangles = &target;
+    o.resolution = 60;
+    build(&o, 1);
+    check_levels("all", &target, 1, 6, 3);
+    o.least_part = 100;
+    build(&o, 1);
+    check_levels("no speck", &target, 1, 4, 2);
+    o.least_cavity = UINT64_MAX;
+    build(&o, 1);
+    check_levels("no cavity", &target, 1, 2, 1);
+    o.least_part = o.least_cavity = 0;
+    o.outer = 1;
+    build(&o, 1);
+    check_levels("outer", &target, 1, 2, 1);
+    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, found.source);
+}
+
+static void test_a_lattice_of_the_callers(void)
+{
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {0.4, 0.4, 0.4};
+    static const int32_t dims[3] = {40, 40, 40};
+    static const uint64_t target = 500;
+    bvx_lattice lattice;
+    bvx_levels_options o = defaults();
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
+    make_shape(shape_named("torus"));
+    o.lattice = &lattice;
+    o.target_triangles = &target;
+    build(&o, 1);
+    check_levels("lattice", &target, 1, 0, 1);
+    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, found.source);
+    TEST_ASSERT_EQUAL_MEMORY(&lattice, &found.repair.lattice, sizeof lattice);
+}
+
+/* Floats where nobody asked, and doubles where floats are too coarse. */
+static void test_types_far_from_the_origin(void)
+{
+    static const uint64_t target = 300;
+    for (int way = 0; way < 2; way++) {
+        bvx_levels_options o = defaults();
+        bvx_mesh_view view;
+        uint64_t crossings = 1;
+        make_shape(shape_named("sphere"));
+        maker_flip(&mesh, 3, 30);
+        maker_shift(&mesh, 0, way == 0 ? 0 : 1e7, 0, 0);
+        o.target_triangles = &target;
+        o.resolution = 40;
+        build(&o, 1);
+        TEST_ASSERT_EQUAL_INT32(way == 0 ? BVX_F32 : BVX_F64, level[0].position_type);
+        snprintf(where, sizeof where, "way %d", way);
+        assert_whole(&level[0], 2, 1);
+        bvx_mesh_view_of(&level[0], &view);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
+        TEST_ASSERT_EQUAL_UINT64(0, crossings);
+        if (way == 1) {
+            o.position_type = BVX_F32;
+            view = maker_view(&mesh);
+            drop_levels();
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_levels(ctx, &view, &o, 1, level));
+            TEST_ASSERT_NULL(level[0].positions);
+        }
+    }
+}
+
+/* ---- Targets ---- */
+
+static void test_errors_are_of_the_input(void)
+{
+    static const double errors[2] = {0.05, 0.2};
+    for (int32_t kind = BVX_ERROR_MEAN; kind <= BVX_ERROR_MAX; kind++) {
+        bvx_levels_options o = defaults();
+        bvx_mesh_view view;
+        make_shape(shape_named("torus"));
+        maker_flip(&mesh, 10, 60);
+        view = maker_view(&mesh);
+        o.target_errors = errors;
+        o.error_kind = kind;
+        o.measure_samples = 2000;
+        o.resolution = 70;
+        build(&o, 2);
+        for (int i = 0; i < 2; i++) {
+            bvx_mesh_view level_view;
+            bvx_distance_report d;
+            bvx_mesh_view_of(&level[i], &level_view);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &level_view, 2000, 1, &d));
+            snprintf(where, sizeof where, "kind %d, level %d: %lu triangles, mean %g, maximum %g", (int)kind, i, (unsigned long)level[i].triangle_count, d.mean, d.max);
+            TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&d, &report[i].distance, sizeof d, where);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE((kind == BVX_ERROR_MEAN ? d.mean : d.max) <= errors[i], report[i].met, where);
+            TEST_ASSERT_TRUE_MESSAGE(report[i].met, where);
+            assert_whole(&level[i], 0, 1);
+            assert_no_crossings(&level[i]);
+        }
+    }
+}
+
+/* Halving starts from the input, also where the surface that was measured has many times as many. */
+static void test_halving_starts_from_the_input(void)
+{
+    bvx_levels_options o = defaults();
+    make_shape(shape_named("cylinder"));
+    maker_remove(&mesh, 7);
+    o.resolution = 64;
+    build(&o, 3);
+    TEST_ASSERT_TRUE(found.triangles > 3 * mesh.triangles);
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_EQUAL_UINT64(mesh.triangles >> (i + 1), report[i].target);
+        TEST_ASSERT_TRUE(report[i].met && level[i].triangle_count <= report[i].target && level[i].triangle_count + 2 > report[i].target);
+    }
+}
+
+static void test_strict_refuses_what_cannot_be(void)
+{
+    static const uint64_t targets[2] = {200, 5};
+    bvx_levels_options o = defaults();
+    bvx_mesh_view view;
+    spoil(SPOILT_OPEN);
+    view = maker_view(&mesh);
+    o.target_triangles = targets;
+    o.strict = 1;
+    o.resolution = 30;
+    for (int32_t source = BVX_LEVELS_MESH; source <= BVX_LEVELS_MEASURED; source++) {
+        if (source == BVX_LEVELS_MESH) {
+            make_shape(shape_named("torus"));
+            view = maker_view(&mesh);
+            o.resolution = 0;
+        }
+        o.source = source;
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_levels(ctx, &view, &o, 2, level));
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_build_levels: level 1"), bvx_last_message(ctx));
+        for (int i = 0; i < 2; i++) TEST_ASSERT_NULL(level[i].positions);
+    }
+}
+
+static void test_threads_do_not_matter(void)
+{
+    static const uint64_t targets[2] = {1500, 200};
+    for (int way = 0; way < 2; way++) {
+        bvx_context_options c;
+        bvx_context *other;
+        bvx_levels_options o = defaults();
+        bvx_levels_report more;
+        bvx_mesh many[2] = {{0}};
+        bvx_mesh_view view;
+        make_shape(shape_named("dented torus"));
+        if (way == 1) maker_flip(&mesh, 3, 90);
+        view = maker_view(&mesh);
+        o.target_triangles = targets;
+        if (way == 1) o.resolution = 80;
+        build(&o, 2);
+        bvx_context_options_init(&c, sizeof c);
+        c.threads = 4;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
+        o.report = &more;
+        o.reports = NULL;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(other, &view, &o, 2, many));
+        TEST_ASSERT_EQUAL_MEMORY(&found, &more, sizeof more);
+        for (int i = 0; i < 2; i++) {
+            snprintf(where, sizeof where, "way %d, level %d", way, i);
+            assert_same_bytes(&level[i], &many[i]);
+            bvx_mesh_free(other, &many[i]);
+        }
+        bvx_context_destroy(other);
+    }
+}
+
+/* ---- The plan ---- */
+
+static int32_t plan(const bvx_levels_options *o, uint64_t count)
+{
+    bvx_mesh_view const view = maker_view(&mesh);
+    int32_t resolution = -1;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_plan_levels(ctx, &view, o, count, &resolution), bvx_last_message(ctx));
+    TEST_ASSERT_TRUE(resolution >= 256 && resolution <= 512);
+    return resolution;
+}
+
+static void test_the_plan(void)
+{
+    static const double error = 0.5;
+    uint64_t target = 1;
+    int32_t before = 0;
+    bvx_levels_options o;
+    make_shape(shape_named("sphere"));
+    bvx_levels_options_init(&o, sizeof o);
+    TEST_ASSERT_EQUAL_INT32(256, plan(NULL, 3));
+    o.target_triangles = &target;
+    for (; target < 1000000; target *= 2) { /* it only rises, between its ends */
+        int32_t const now = plan(&o, 1);
+        TEST_ASSERT_TRUE(now >= before);
+        before = now;
+    }
+    TEST_ASSERT_EQUAL_INT32(320, before);
+    {
+        uint64_t const up[3] = {10, 50000, 3}, one = 50000;
+        int32_t chain;
+        o.target_triangles = up; /* the finest of a chain decides */
+        chain = plan(&o, 3);
+        o.target_triangles = &one;
+        TEST_ASSERT_EQUAL_INT32(plan(&o, 1), chain);
+        TEST_ASSERT_TRUE(chain > 256 && chain < 512);
+    }
+    o.target_triangles = NULL;
+    o.target_errors = &error;
+    plan(&o, 1);
+    maker_clear(&mesh);
+    maker_vertex(&mesh, 3, 3, 3);
+    maker_triangle(&mesh, 0, 0, 0);
+    plan(NULL, 1);
+    mesh.triangles = 0;
+    {
+        bvx_mesh_view const view = maker_view(&mesh);
+        int32_t resolution = 77;
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_plan_levels(ctx, &view, NULL, 1, &resolution));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_plan_levels(NULL, &view, NULL, 1, &resolution));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_plan_levels(ctx, &view, NULL, 1, NULL));
+        TEST_ASSERT_EQUAL_INT32(77, resolution);
+    }
+}
+
+/* ---- Refusals ---- */
+
+static void refuse(bvx_status status, const bvx_levels_options *o, uint64_t count, const char *text)
+{
+    static const bvx_mesh empty[LEVELS_MOST] = {{0}};
+    bvx_mesh_view const view = maker_view(&mesh);
+    uint64_t const held = bvx_memory_used(ctx);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_build_levels(ctx, &view, o, count, level), text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), text), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_MEMORY(empty, level, sizeof empty);
+    TEST_ASSERT_EQUAL_UINT64(held, bvx_memory_used(ctx));
+}
+
+static void test_contradictions(void)
+{
+    static const uint64_t triangles = 100, none = 0;
+    static const double error = 0.1, no_error = 0;
+    bvx_lattice lattice;
+    bvx_mesh_view view;
+    bvx_levels_options o = defaults();
+    make_shape(shape_named("cube"));
+    view = maker_view(&mesh);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, 20, &lattice));
+    refuse(BVX_ERR_ARGUMENT, &o, 0, "level_count is 0");
+    o.target_triangles = &triangles;
+    o.target_errors = &error;
+    refuse(BVX_ERR_ARGUMENT, &o, 1, "exclude each other");
+    o.target_errors = NULL;
+    o.target_triangles = &none;
+    refuse(BVX_ERR_ARGUMENT, &o, 1, "target_triangles[0] is 0");
+    o.target_triangles = NULL;
+    o.target_errors = &no_error;
+    refuse(BVX_ERR_ARGUMENT, &o, 1, "target_errors[0]");
+    for (int way = 0; way < 6; way++) { /* what the mesh as it is cannot follow */
+        o = defaults();
+        o.source = BVX_LEVELS_MESH;
+        if (way == 0) o.lattice = &lattice;
+        if (way == 1) o.resolution = 50;
+        if (way == 2) o.sign = BVX_SIGN_VOTE;
+        if (way == 3) o.least_part = 1;
+        if (way == 4) o.least_cavity = 1;
+        if (way == 5) o.outer = 1;
+        refuse(BVX_ERR_ARGUMENT, &o, 1, "source is BVX_LEVELS_MESH");
+    }
+    o = defaults();
+    o.outer = 1;
+    o.least_cavity = 5;
+    refuse(BVX_ERR_ARGUMENT, &o, 1, "least_cavity");
+    o = defaults();
+    o.lattice = &lattice;
+    o.resolution = 50;
+    {
+        bvx_status const status = bvx_build_levels(ctx, &view, &o, 1, level);
+        snprintf(where, sizeof where, "a lattice and a resolution: status %d, %s", (int)status, bvx_last_message(ctx));
+        if (status == BVX_OK) drop_levels();
+        TEST_ASSERT_TRUE_MESSAGE(status == BVX_ERR_ARGUMENT || status == BVX_OK, where);
+    }
+}
+
+static void test_meshes_of_nothing(void)
+{
+    bvx_levels_options o = defaults();
+    maker_vertex(&mesh, 1, 2, 3);
+    maker_vertex(&mesh, 2, 3, 4);
+    maker_vertex(&mesh, 3, 4, 5);
+    refuse(BVX_ERR_EMPTY, &o, 2, "no triangles");
+    maker_triangle(&mesh, 0, 1, 2);
+    maker_triangle(&mesh, 0, 0, 2);
+    refuse(BVX_ERR_EMPTY, &o, 2, "has an area");
+    make_shape(shape_named("cube"));
+    o.least_part = UINT64_MAX;
+    o.resolution = 20;
+    refuse(BVX_ERR_EMPTY, &o, 2, "bvx_");
+    mesh.p[100] = (double)NAN;
+    refuse(BVX_ERR_RANGE, &o, 2, "vertex 33 has y");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_sound_mesh_is_simplified_as_it_is);
+    RUN_TEST(test_what_is_not_sound_is_measured);
+    RUN_TEST(test_the_mesh_itself_when_asked_for);
+    RUN_TEST(test_a_cube_with_turned_faces_has_twelve_triangles);
+    RUN_TEST(test_every_defect_gives_whole_levels);
+    RUN_TEST(test_every_defect_gives_whole_levels_when_sharp);
+    RUN_TEST(test_every_defect_gives_whole_levels_by_default);
+    RUN_TEST(test_outer_and_parts_and_cavities);
+    RUN_TEST(test_a_lattice_of_the_callers);
+    RUN_TEST(test_types_far_from_the_origin);
+    RUN_TEST(test_errors_are_of_the_input);
+    RUN_TEST(test_halving_starts_from_the_input);
+    RUN_TEST(test_strict_refuses_what_cannot_be);
+    RUN_TEST(test_threads_do_not_matter);
+    RUN_TEST(test_the_plan);
+    RUN_TEST(test_contradictions);
+    RUN_TEST(test_meshes_of_nothing);
+    return UNITY_END();
+}
