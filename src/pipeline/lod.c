@@ -13,7 +13,7 @@
 #include <math.h>
 
 /* Pull to even triangles, as the default of bvx_simplify_options. */
-#define LOD_EVEN 0.000001
+#define LOD_EVEN 1e-9
 
 static const char lod_name[] = "bvx_build_lods";
 static const bvx_lod_options lod_defaults = {
@@ -130,7 +130,7 @@ static bvx_status count_level(bvx_context *ctx, lod_job *job, int32_t resolution
     return status;
 }
 
-static void report_level(const lod_job *job, const level_work *w, const bvx_mesh *mesh)
+static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *mesh)
 {
     bvx_lod_report *report;
     if (job->options->reports == NULL) return;
@@ -186,7 +186,7 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
     return status;
 }
 
-static bvx_status make_level(bvx_context *ctx, const lod_job *job, int32_t resolution, bvx_mesh *mesh)
+static bvx_status make_lod(bvx_context *ctx, const lod_job *job, int32_t resolution, bvx_mesh *mesh)
 {
     level_work w;
     bvx_status status = open_level(ctx, job, resolution, 0, &w);
@@ -195,7 +195,7 @@ static bvx_status make_level(bvx_context *ctx, const lod_job *job, int32_t resol
                            (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count, (int64_t)w.samples.axis[2].count);
     if (status == BVX_OK)
         status = job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh) : bvxi_march_fill(ctx, &w.march, mesh);
-    if (status == BVX_OK) report_level(job, &w, mesh);
+    if (status == BVX_OK) report_lod(job, &w, mesh);
     close_level(ctx, &w);
     return status;
 }
@@ -287,7 +287,7 @@ bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx
     for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++) {
         int32_t resolution = o.resolutions != NULL ? o.resolutions[job.level] : 0;
         if (o.target_triangles != NULL) status = search_resolution(context, &job, &resolution);
-        if (status == BVX_OK) status = make_level(context, &job, resolution, &levels[job.level]);
+        if (status == BVX_OK) status = make_lod(context, &job, resolution, &levels[job.level]);
     }
     if (status == BVX_OK) return BVX_OK;
     for (uint64_t l = 0; l < level_count; l++) { /* what the library made goes; arrays of the caller's stay his */

@@ -29,8 +29,9 @@ OF_VOLUMES = {"range": bitvox.Volume.threshold, "label": bitvox.Volume.label, "s
 NAMES = {
     "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, *VOLUME], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills,
                                                             "all-labels": bitvox.Volume.labels, **OF_VOLUMES}),
-    "lod": ([bitvox.lod, *VOLUME], {"samples": bitvox.compare, **OF_VOLUMES}),
-    "repair": ([bitvox.repair], {}),
+    "lod": ([bitvox.lod, *VOLUME], {"source": "made_from", "no-sharp": "sharp", "normals": bitvox.write, **OF_VOLUMES}),
+    "simplify": ([bitvox.simplify], {"normals": bitvox.write}),
+    "repair": ([bitvox.repair], {"normals": bitvox.write}),
     "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "leaves": bitvox.Octree.leaves, "cut": None}),
     "sections": ([bitvox.from_sections, bitvox.read], {"block-model": None, "block": None}),
     "slice": ([bitvox.slice_mesh], {}),
@@ -42,7 +43,7 @@ NAMES = {
     "morph": ([bitvox.Grid.dilate, bitvox.Grid.hollow, bitvox.Grid.distance, bitvox.voxelize], {"origin": "corner", "value-type": "dtype"}),
     "boolean": ([bitvox.boolean], {"spacing": bitvox.Lattice, "resample": bitvox.Grid.resample}),
     "convert": ([bitvox.read, bitvox.dumps, *VOLUME], {"expand": bitvox.Octree.expand, **OF_VOLUMES}),
-    "info": ([bitvox.read], {}),
+    "info": ([bitvox.read], {"crossings": bitvox.Mesh.crossings}),
     "render": ([bitvox.render, *VOLUME], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
                                  "expand": bitvox.Octree.expand, "turntable": None, **OF_VOLUMES}),
 }
@@ -76,14 +77,32 @@ def test_voxelize(tmp_path, options):
     assert bitvox.dumps(bitvox.voxelize(KNOT, **options), "bvx") == (tmp_path / "a.bvx").read_bytes()
 
 
-@pytest.mark.parametrize("options", [{}, {"triangles": (2000, 500)}, {"levels": (40, 10), "method": "coverage"}])
-def test_lod(tmp_path, options):
+def words_of(options):
+    """Options of Python as those of the program."""
     words = []
     for name, value in options.items():
-        words += ["--" + name, ",".join(map(str, value)) if isinstance(value, tuple) else value]
-    program("lod", KNOT, "-o", tmp_path / "l_%d.ply", *words)
-    for i, level in enumerate(bitvox.lod(KNOT, **options)):
+        name = {"made_from": "source"}.get(name, name).replace("_", "-")
+        words += [("--" if value else "--no-") + name] if isinstance(value, bool) else ["--" + name, ",".join(map(str, value)) if isinstance(value, tuple) else value]
+    return words
+
+
+@pytest.mark.parametrize("options", [
+    {}, {"triangles": (2000, 500)}, {"error": ("0.1%", 0.05)}, {"error": "0.7%", "error_kind": "max"}, {"count": 2, "even": 0.01},
+    {"triangles": 900, "made_from": "measured", "sharp": True}, {"triangles": 900, "outer_hull": True, "sign": "vote", "sharp": False, "least_part": 9},
+    {"triangles": (2000, 500), "method": "edge-ratio"}, {"levels": (40, 10), "method": "coverage"}, {"levels": (40, 10)},
+    {"triangles": 900, "collapse": 3, "threshold": 0.4, "fill": "nonzero"}])
+def test_lod(tmp_path, options):
+    program("lod", KNOT, "-o", tmp_path / "l_%d.ply", *words_of(options))
+    made = bitvox.lod(KNOT, **options)
+    assert len(made) == len(list(tmp_path.iterdir()))
+    for i, level in enumerate(made):
         assert bitvox.dumps(level, "ply") == (tmp_path / f"l_{i}.ply").read_bytes()
+
+
+@pytest.mark.parametrize("options", [{}, {"triangles": 700}, {"error": "0.3%", "even": 0.001}])
+def test_simplify(tmp_path, options):
+    program("simplify", KNOT, "-o", tmp_path / "a.ply", *words_of(options))
+    assert bitvox.dumps(bitvox.simplify(KNOT, **options), "ply") == (tmp_path / "a.ply").read_bytes()
 
 
 def test_render_faces_refine(tmp_path):
@@ -93,10 +112,10 @@ def test_render_faces_refine(tmp_path):
     assert bitvox.dumps(bitvox.refine(KNOT, levels=3), "vtu", states="surface") == (tmp_path / "a.vtu").read_bytes()
 
 
-@pytest.mark.parametrize("options", [{}, {"sharp": True}, {"shell": 3, "least_part": 5, "interpolation": "vector", "sign": "vote"}])
+@pytest.mark.parametrize("options", [{}, {"sharp": True}, {"shell": 3, "least_part": 5, "interpolation": "vector", "sign": "vote"}, {"triangles": 800},
+                                     {"error": "0.2%"}])
 def test_repair(tmp_path, options):
-    words = [w for name, value in options.items() for w in ["--" + name.replace("_", "-"), value] if w is not True]
-    program("repair", KNOT, "-o", tmp_path / "a.ply", "--resolution", 60, *words)
+    program("repair", KNOT, "-o", tmp_path / "a.ply", "--resolution", 60, *words_of(options))
     assert bitvox.dumps(bitvox.repair(KNOT, resolution=60, **options), "ply") == (tmp_path / "a.ply").read_bytes()
 
 
@@ -109,7 +128,8 @@ def test_field(tmp_path, options):
     assert bitvox.dumps(bitvox.field(KNOT, resolution=30, **options), "vti") == (tmp_path / "a.vti").read_bytes()
 
 
-@pytest.mark.parametrize("options", [{}, {"caps": "taper", "layers": 2}, {"crossings": "paper", "grid": (20, 30), "subdivide": 0}])
+@pytest.mark.parametrize("options", [{}, {"caps": "taper", "layers": 2}, {"crossings": "paper", "grid": (20, 30), "subdivide": 0},
+                                     {"error": "0.3%"}])
 def test_slice_and_sections(tmp_path, options):
     program("slice", KNOT, "-o", tmp_path / "a.csl", "--spacing", 0.2, "--axis", "y")
     sections = bitvox.slice_mesh(KNOT, spacing=0.2, axis="y")
@@ -165,6 +185,9 @@ def test_boolean(tmp_path, grids, operation, combined):
     program("boolean", operation, KNOT, tmp_path / "other.ply", "-o", tmp_path / "c.ply", "--resolution", 50, "--fill", "nonzero")
     mesh = bitvox.boolean(KNOT, tmp_path / "other.ply", operation, resolution=50, fill="nonzero")
     assert mesh.n_faces > 0 and bitvox.dumps(mesh, "ply") == (tmp_path / "c.ply").read_bytes()
+    program("boolean", operation, KNOT, tmp_path / "other.ply", "-o", tmp_path / "c.ply", "--resolution", 50, "--triangles", 700)
+    small = bitvox.boolean(KNOT, tmp_path / "other.ply", operation, resolution=50, triangles=700)
+    assert bitvox.dumps(small, "ply") == (tmp_path / "c.ply").read_bytes()
 
 
 def test_volume(tmp_path, grids):
@@ -178,3 +201,5 @@ def test_volume(tmp_path, grids):
     assert bitvox.dumps(volume.threshold(-200, -50), "bvx") == (tmp_path / "b.bvx").read_bytes() and volume.report.inside > 0
     program("voxelize", *words, "-o", tmp_path / "b.ply", "--level", 20, "--below")
     assert bitvox.dumps(volume.surface(20, below=True), "ply") == (tmp_path / "b.ply").read_bytes()
+    program("voxelize", *words, "-o", tmp_path / "b.ply", "--level", 20, "--below", "--triangles", 900)
+    assert bitvox.dumps(volume.surface(20, below=True, triangles=900), "ply") == (tmp_path / "b.ply").read_bytes()

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Sequence, Union
 
 from . import _arrays as arrays
-from ._errors import ArgumentError
+from ._errors import ArgumentError, EmptyError
 from ._grid import Grid
 from ._lattice import Lattice
 from ._mesh import Mesh, new_mesh, position_type
@@ -62,10 +63,17 @@ def _error_of(mesh: Mesh, value: Any) -> float:
         raise ArgumentError(f'error is {value!r}; it must be a distance, or a part of the diagonal as "0.1%"') from None
     if not 0.0 < number < float("inf"):
         raise ArgumentError(f"error is {value!r}; it must be above 0 and finite")
-    if share:
-        low, high = mesh.bounds
-        number *= sum((b - a) ** 2 for a, b in zip(low, high)) ** 0.5 / 100.0
-    return number if 0.0 < number < float("inf") else 1.0  # the library says what is wrong with such a mesh
+    return number * (_diagonal(mesh) / 100.0) if share else number
+
+
+def _diagonal(mesh: Mesh) -> float:
+    """Of the bounds of the used vertices; squares of large sides would be infinite."""
+    found = mesh.check()
+    sides = [b - a for a, b in zip(found.low, found.high)]
+    longest = max(sides)
+    if not longest > 0.0:
+        raise EmptyError("no triangle has an area: there is no diagonal that error could be a part of")
+    return longest * math.sqrt(sum((side / longest) * (side / longest) for side in sides))
 
 
 def _falls(values: list[Any], name: str, rising: bool) -> None:
@@ -163,9 +171,9 @@ def simplify(
             part of the diagonal of the mesh's bounds as ``"0.1%"``.
         error_kind: of ``error``: "mean" (the default) or "max" distance, measured both ways.
         count: so many levels, each with half of the triangles of the one before. With none of these: one level of half.
-        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 0.000001.
+        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
         strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
-        samples: measure the distances between mesh and level from so many points a side, for the report.
+        samples: measure the distances between mesh and level from so many points a side, for the report; 0 or None: they are not.
         carry: give the result the colours and texture coordinates of the nearest points on the mesh.
         dtype: float32 or float64; None: the mesh's own.
 
@@ -207,7 +215,7 @@ def _set_common(options: Any, even: float | None, strict: bool, samples: int | N
     if even is not None:
         options.even = float(even)
     options.strict = int(bool(strict))
-    options.measure_samples = 0 if samples is None else in_range("samples", samples, 1, 2**31 - 1)
+    options.measure_samples = 0 if samples is None else in_range("samples", samples, 0, 2**31 - 1)
     options.position_type = 0 if dtype is None else position_type(dtype)
 
 
@@ -301,9 +309,9 @@ def lod(
         outer_hull: measured: inner shells and cavities go.
         shell: measured: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
         least_part, least_cavity: measured: smaller pieces are dropped, smaller cavities filled [voxels].
-        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 0.000001.
+        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
         strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
-        samples: measure the distances between source and level from so many points a side, for the reports.
+        samples: measure the distances between source and level from so many points a side, for the reports; 0 or None: they are not.
         levels: the paper's methods: samples along the longest axis of each level, or triples along x, y, z. Default (64, 32, 16).
         threshold: the paper's methods: a sample above it is inside, between 0 and 1. Default 0.5.
         edge_samples: "edge-ratio": steps along an edge. Default: the ratio, rounded up.

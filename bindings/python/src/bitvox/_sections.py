@@ -201,6 +201,7 @@ def from_sections(
     label: str | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
+    error_kind: str | None = None,
     dtype: Any = "float64",
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -219,7 +220,7 @@ def from_sections(
             interpolated distances with the contours' points put in) or "classic" (marching cubes).
         subdivide: a cell that a contour crosses twice on a side is halved at most this often. Default 5.
         label: which body, when there are several.
-        triangles, error: most triangles, or the mean distance to the body's whole surface, by edges that collapse: as for `repair`.
+        triangles, error, error_kind: most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
             Contour points are then vertices no more; ``caps="open"`` cannot be collapsed.
         dtype: float64 keeps the contours' points; float32 rounds them.
 
@@ -234,7 +235,7 @@ def from_sections(
     from ._stages import collapsed, level_target
 
     build = function("bvx_build_sections")
-    targets = level_target(triangles, error)
+    targets = level_target(triangles, error, error_kind)
     if targets and caps == "open":
         raise ArgumentError(f"{next(iter(targets))} needs a closed body; caps 'open' leaves it open")
     given = _stack_of(sections)

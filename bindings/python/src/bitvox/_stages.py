@@ -443,6 +443,7 @@ def repair(
     least_cavity: int = 0,
     triangles: int | None = None,
     error: float | str | None = None,
+    error_kind: str | None = None,
     measure: bool = False,
     measure_samples: int | None = None,
     carry: bool = False,
@@ -466,8 +467,8 @@ def repair(
         least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels].
         triangles: most triangles: edges of the result collapse as by `simplify`, which is nearer than the search for a
             resolution that earlier versions made; 0 or None: no limit.
-        error: as many triangles as keep the mean distance to the repaired surface: a number [world], or a part of the diagonal
-            as ``"0.1%"``; in place of ``triangles``.
+        error: as few triangles as keep this distance to the repaired surface: a number [world], or a part of its diagonal
+            as ``"0.1%"``; in place of ``triangles``. error_kind: "mean" (the default) or "max" distance.
         measure: measure the distances between input and result, from ``measure_samples`` points a side.
         carry: give the result the colours and texture coordinates of the nearest points on the mesh.
         face_rule, dtype, local_frame: as for `surface`.
@@ -498,7 +499,7 @@ def repair(
         options.shell = float(shell)
     options.least_part = in_range("least_part", least_part, 0, 2**64 - 1)
     options.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
-    targets = level_target(triangles, error)
+    targets = level_target(triangles, error, error_kind)
     if measure_samples is not None:
         if not measure:
             raise ArgumentError("measure_samples is taken together with measure")
@@ -521,7 +522,7 @@ def repair(
     return made
 
 
-def level_target(triangles: Any, error: Any) -> dict[str, Any]:
+def level_target(triangles: Any, error: Any, error_kind: str | None) -> dict[str, Any]:
     """What a result is to be collapsed to, as options of `simplify`; none where it stays as it is."""
     if triangles is not None and error is not None:
         raise ArgumentError("triangles and error contradict each other; give one of them")
@@ -529,7 +530,9 @@ def level_target(triangles: Any, error: Any) -> dict[str, Any]:
         if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0):
             raise ArgumentError(f"{name} is one number here; Mesh.simplify takes several")
     if error is not None:
-        return {"error": error}
+        return {"error": error, "error_kind": error_kind}
+    if error_kind is not None:
+        raise ArgumentError("error_kind is taken together with error")
     return {"triangles": triangles} if triangles is not None and in_range("triangles", triangles, 0, 2**64 - 1) else {}
 
 
@@ -555,6 +558,7 @@ def boolean(
     sharp: bool = False,
     triangles: int | None = None,
     error: float | str | None = None,
+    error_kind: str | None = None,
     dtype: Any = None,
     local_frame: bool = False,
     threads: int | None = None,
@@ -573,7 +577,7 @@ def boolean(
         fill: what is inside a mesh: "parity", "nonzero", "vote" or "winding".
         interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
         sharp: cells on sharp edges and corners, and where the meshes meet, get a vertex there.
-        triangles, error: most triangles of the result, or its mean distance to what it would be without: as for `repair`.
+        triangles, error, error_kind: most triangles of the result, or its distance to what it would be without: as for `repair`.
         face_rule, dtype, local_frame: as for `surface`.
 
     Returns:
@@ -594,7 +598,7 @@ def boolean(
     options.sharp, options.local_frame = int(bool(sharp)), int(bool(local_frame))
     report = ffi.new("bvx_boolean_report *")
     options.report = report
-    targets = level_target(triangles, error)
+    targets = level_target(triangles, error, error_kind)
     first, second = Mesh.of(a), Mesh.of(b)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     made = with_positions(

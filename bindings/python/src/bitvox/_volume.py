@@ -145,7 +145,8 @@ class Volume:
         return [one._replace(value=one.value % 2**64) for one in labels] if unsigned else labels
 
     def surface(self, level: float = 0.0, *, below: bool = False, face_rule: str = "separate", dtype: Any = None,
-                open_sides: str | Iterable[str] = (), keys: bool = False, local_frame: bool = False, threads: int | None = None,
+                open_sides: str | Iterable[str] = (), keys: bool = False, triangles: int | None = None,
+                error: float | str | None = None, error_kind: str | None = None, local_frame: bool = False, threads: int | None = None,
                 memory_limit: int | None = None, progress: Progress = None) -> Mesh:
         """The closed, manifold surface of a level by marching cubes, vertices by linear interpolation between samples.
 
@@ -153,22 +154,28 @@ class Volume:
             level: what lies at or above it is inside. NaN and infinite samples are outside, and so is all beyond the volume.
             below: what lies at or below the level is inside.
             face_rule, dtype, open_sides, keys, local_frame: as for `bitvox.surface`.
+            triangles, error, error_kind: most triangles of the surface, or its distance to what it would be without, by edges that
+                collapse: as for `bitvox.repair`. Not with ``keys`` or ``open_sides``.
 
         Returns:
             A `Mesh` with uint32 faces; ``report`` of the volume tells what was counted.
         """
-        from ._stages import SIDES
+        from ._stages import SIDES, collapsed, level_target
 
+        targets = level_target(triangles, error, error_kind)
+        if targets and (keys or open_sides):
+            raise ArgumentError(f"{next(iter(targets))} and {'keys' if keys else 'open_sides'} contradict each other: parts of a surface are "
+                                "merged whole; simplify what merge makes")
+        limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
         options, report = options_of("scalar_options"), ffi.new("bvx_volume_report *")
         options.level, options.below, options.report = float(level), int(bool(below)), report
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
         options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
         for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
             options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
-        mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, self._c, options, made),
-                              threads=threads, memory_limit=memory_limit, progress=progress)
+        mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, self._c, options, made), **limits)
         self.report = record(report)
-        return mesh
+        return collapsed(mesh, targets, limits)
 
     def __repr__(self) -> str:
         x, y, z = self.shape
