@@ -1,9 +1,10 @@
 /* levels.c - a chain of levels by triangle count, by error or by halving, each continued from the one before.
  *
- * A level by error is found by going on in steps of a sixth of the triangles and measuring each: the last one
- * that keeps the error is the level, and the chain goes on from the first one that does not. */
+ * A level by error is found by going on in steps and measuring each: the last one that keeps the error is the
+ * level, and the chain goes on from the first one that does not. */
 #include "simplify/levels.h"
 #include "core/angle.h"
+#include "mesh/mesh.h"
 
 #include <math.h>
 
@@ -166,8 +167,25 @@ static uint64_t next_try(uint64_t triangles, double part)
     return (uint64_t)((double)triangles * share);
 }
 
-static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
-                                int *met)
+/* Hand a mesh over to a level: as it is, or into arrays of the caller's. */
+static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mesh *made, bvx_mesh *level)
+{
+    size_t const vertex_bytes = made->position_type == BVX_F64 ? 24 : 12;
+
+    if (level->positions == NULL && level->triangles == NULL) {
+        *level = *made;
+        memset(made, 0, sizeof *made);
+        return BVX_OK;
+    }
+    BVXI_TRY(bvxi_mesh_open(ctx, c->function, made->position_type, 0, made->vertex_count, made->triangle_count, level));
+    memcpy(level->positions, made->positions, (size_t)made->vertex_count * vertex_bytes);
+    memcpy(level->triangles, made->triangles, (size_t)made->triangle_count * 12);
+    return BVX_OK;
+}
+
+/* The last mesh on the way down that keeps the error of level i; the first one where none does. */
+static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                                bvx_mesh *found, int *met)
 {
     uint64_t before;
     double part;
@@ -179,14 +197,25 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         BVXI_TRY(measure_share(ctx, c, i, collapse, &part));
         if (part > 1 && *met) break;
         BVXI_TRY(bvxi_collapse_give(collapse, &made));
-        if (c->levels[i].owned) bvx_mesh_free(ctx, &c->levels[i]);
-        c->levels[i] = made;
+        bvx_mesh_free(ctx, found);
+        *found = made;
         *met = part <= 1;
 
         before = bvxi_collapse_triangles(collapse);
         BVXI_TRY(bvxi_collapse_to(collapse, next_try(before, part), 0, 1));
     } while (part <= 1 && bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
+}
+
+static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                                int *met)
+{
+    bvx_mesh found = {0};
+    bvx_status status = find_by_error(ctx, c, i, collapse, &found, met);
+
+    if (status == BVX_OK) status = hand_over(ctx, c, &found, &c->levels[i]);
+    bvx_mesh_free(ctx, &found);
+    return status;
 }
 
 static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
