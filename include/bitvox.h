@@ -2095,7 +2095,7 @@ typedef struct bvx_levels_options {
 BVX_API void bvx_levels_options_init(bvx_levels_options *options, size_t size);
 
 /** The resolution that bvx_build_levels measures a mesh with where none is given: the one at which the measured surface has about 16
- *  times the triangles of the finest level, from 256 to 512. mesh and options as there; options may be NULL.
+ *  times the triangles of the finest level, from 256 to 320. mesh and options as there; options may be NULL.
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE. Memory: none. Cost: O(triangles). */
 BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
                                    uint64_t level_count, int32_t *resolution);

@@ -1,8 +1,8 @@
 /* build_levels.c - levels of detail from any mesh: bvx_build_levels.
  *
- * A mesh that is closed, manifold, oriented and does not cross itself is simplified as it is, since nothing is nearer to it. What
- * is not is measured first: the surface that bvx_repair puts between voxels lies a hundredth of
- * a voxel from the mesh and has its guarantee. */
+ * A mesh that is closed, manifold, oriented and does not cross itself is simplified as it is, since nothing
+ * is nearer to it. What is not is measured first: the surface that bvx_repair puts between voxels lies a
+ * hundredth of a voxel from the mesh and has its guarantee. */
 #include "mesh/pieces.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"
@@ -11,9 +11,9 @@
 #include <math.h>
 
 enum {
-    PLAN_RATIO = 16,     /* triangles of the measured surface to one of the finest level */
-    PLAN_LEAST = 256,    /* voxels along the longest axis */
-    PLAN_MOST = 512,
+    PLAN_RATIO = 16,  /* triangles of the measured surface to one of the finest level */
+    PLAN_LEAST = 256, /* voxels along the longest axis */
+    PLAN_MOST = 320,
     SHARP_MOST = 500000, /* meshes of more triangles are scans */
     SCAN_RATIO = 24      /* and are measured where they have this many triangles to one of the finest level */
 };
@@ -27,7 +27,8 @@ enum {
 
 static const char levels_name[] = "bvx_build_levels";
 
-static const bvx_levels_options levels_defaults = {.even = 0.000001, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0};
+static const bvx_levels_options levels_defaults = {
+    .even = 0.000001, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0};
 
 void bvx_levels_options_init(bvx_levels_options *options, size_t size)
 {
@@ -47,16 +48,22 @@ typedef struct levels_job {
 static bvx_status check_levels_options(bvx_context *ctx, const char *function, const bvx_levels_options *o)
 {
     if (o->position_type != 0 && o->position_type != BVX_F32 && o->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither 0, BVX_F32 nor BVX_F64", function, (int64_t)o->position_type);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither 0, BVX_F32 nor BVX_F64",
+                         function, (int64_t)o->position_type);
     if (o->source < BVX_LEVELS_AUTO || o->source > BVX_LEVELS_MEASURED)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: source %d is unknown", function, (int64_t)o->source);
     if (o->resolution < 0 || o->resolution > 1 << 24)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: resolution %d is outside 0 to %d", function, (int64_t)o->resolution, (int64_t)1 << 24);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: resolution %d is outside 0 to %d", function,
+                         (int64_t)o->resolution, (int64_t)1 << 24);
     if (o->sharp < -1 || o->sharp > 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", function, (int64_t)o->sharp);
-    if ((o->outer & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer %d is neither 0 nor 1", function, (int64_t)o->outer);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", function,
+                         (int64_t)o->sharp);
+    if ((o->outer & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer %d is neither 0 nor 1", function,
+                         (int64_t)o->outer);
     if (o->outer && o->least_cavity != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer fills every cavity; least_cavity is not used with it", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: outer fills every cavity; least_cavity is not used with it", function);
     if ((o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", function);
     return BVX_OK;
@@ -65,7 +72,8 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
 /* Options that only a measured surface can follow. */
 static int wants_measured(const bvx_levels_options *o)
 {
-    return o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO || o->least_part != 0 || o->least_cavity != 0 || o->outer;
+    return o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO || o->least_part != 0 ||
+           o->least_cavity != 0 || o->outer;
 }
 
 /* ---- The plan ---- */
@@ -108,8 +116,8 @@ static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uin
     return finest;
 }
 
-bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options, uint64_t level_count,
-                           int32_t *resolution)
+bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
+                           uint64_t level_count, int32_t *resolution)
 {
     static const char plan_name[] = "bvx_plan_levels";
     bvx_levels_options o = levels_defaults;
@@ -120,7 +128,8 @@ bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, cons
     BVXI_TRY(bvxi_take_options(context, plan_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, plan_name, &o));
     BVXI_TRY(bvxi_view_check(context, plan_name, mesh));
-    if (mesh->triangle_count == 0) return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", plan_name);
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", plan_name);
     if (level_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: level_count is 0", plan_name);
     BVXI_TRY(bvxi_view_bounds(context, plan_name, mesh, low, high));
 
@@ -129,7 +138,9 @@ bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, cons
         if (high[a] - low[a] > longest) longest = high[a] - low[a];
     area = area_of(mesh);
     wanted = PLAN_LEAST;
-    if (area > 0) wanted = sqrt(PLAN_RATIO * (double)finest_of(&o, level_count, mesh->triangle_count) / 2.6 * longest / area * longest);
+    if (area > 0)
+        wanted = sqrt(PLAN_RATIO * (double)finest_of(&o, level_count, mesh->triangle_count) / 2.6 * longest /
+                      area * longest);
     *resolution = !(wanted > PLAN_LEAST) ? PLAN_LEAST : wanted < PLAN_MOST ? (int32_t)wanted : PLAN_MOST;
     return BVX_OK;
 }
@@ -171,15 +182,19 @@ static void add_edge(const bvx_mesh_view *mesh, uint32_t one, uint32_t other, ed
     /* Sides that run the same way belong to triangles of opposite orientation. */
     cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
     if (v[one % 3] == w[other % 3]) cosine = -cosine;
-    for (int a = 0; a < 3; a++) length += (p[(one + 1) % 3][a] - p[one % 3][a]) * (p[(one + 1) % 3][a] - p[one % 3][a]);
+    for (int a = 0; a < 3; a++)
+        length += (p[(one + 1) % 3][a] - p[one % 3][a]) * (p[(one + 1) % 3][a] - p[one % 3][a]);
     length = sqrt(length);
 
     sum->all += length;
-    if (cosine < SHARP_COSINE) sum->sharp += length;
-    else if (cosine < BENT_COSINE) sum->bent += length;
+    if (cosine < SHARP_COSINE)
+        sum->sharp += length;
+    else if (cosine < BENT_COSINE)
+        sum->bent += length;
 }
 
-static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t *keys, uint32_t *side, edge_lengths *sum)
+static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t *keys, uint32_t *side,
+                                edge_lengths *sum)
 {
     uint64_t const n = 3 * mesh->triangle_count;
 
@@ -214,7 +229,8 @@ static bvx_status is_sharp_mesh(bvx_context *ctx, const bvx_mesh_view *welded, i
     *sharp = 0;
     if (welded->triangle_count > SHARP_MOST) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges' lengths", &block));
-    status = measure_edges(ctx, welded, (uint64_t *)(void *)block, (uint32_t *)(void *)(block + welded->triangle_count * 24), &sum);
+    status = measure_edges(ctx, welded, (uint64_t *)(void *)block,
+                           (uint32_t *)(void *)(block + welded->triangle_count * 24), &sum);
     bvxi_free(ctx, block, bytes);
     *sharp = sum.sharp > 0.01 * sum.all && sum.sharp > 2 * sum.bent;
     return status;
@@ -223,7 +239,8 @@ static bvx_status is_sharp_mesh(bvx_context *ctx, const bvx_mesh_view *welded, i
 /* ---- Crumbs ---- */
 
 /* The volume of each piece, at its least vertex; returns the pieces. */
-static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piece, double *volume, double *total)
+static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piece, double *volume,
+                              double *total)
 {
     uint64_t pieces = 0;
 
@@ -233,8 +250,10 @@ static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piec
 
         corners_of(surface, t, p);
         bvxi_view_triangle(surface, t, v);
-        volume[piece[v[0]]] += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
-                                p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) / 6;
+        volume[piece[v[0]]] += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
+                                p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+                                p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) /
+                               6;
     }
     *total = 0;
     for (uint64_t v = 0; v < surface->vertex_count; v++) {
@@ -246,7 +265,8 @@ static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piec
 }
 
 /* Mark small pieces, the smallest first, until as many are left as the input has; volume becomes -1 there. */
-static uint64_t mark_crumbs(const uint32_t *piece, uint64_t vertices, uint64_t surplus, double most, double *volume)
+static uint64_t mark_crumbs(const uint32_t *piece, uint64_t vertices, uint64_t surplus, double most,
+                            double *volume)
 {
     uint64_t marked = 0;
 
@@ -254,7 +274,9 @@ static uint64_t mark_crumbs(const uint32_t *piece, uint64_t vertices, uint64_t s
         uint64_t least = vertices;
 
         for (uint64_t v = 0; v < vertices; v++)
-            if (piece[v] == v && volume[v] >= 0 && volume[v] < most && (least == vertices || volume[v] < volume[least])) least = v;
+            if (piece[v] == v && volume[v] >= 0 && volume[v] < most &&
+                (least == vertices || volume[v] < volume[least]))
+                least = v;
         if (least == vertices) break;
         volume[least] = -1;
         marked++;
@@ -294,7 +316,8 @@ static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
     bvxi_pieces(&view, same, piece);
     pieces = piece_volumes(&view, piece, volume, &total);
     if (pieces > job->report.before.components) {
-        job->report.crumbs = mark_crumbs(piece, vertices, pieces - job->report.before.components, CRUMB_SHARE * total, volume);
+        job->report.crumbs =
+            mark_crumbs(piece, vertices, pieces - job->report.before.components, CRUMB_SHARE * total, volume);
         if (job->report.crumbs != 0) drop_pieces(surface, piece, volume);
     }
     bvxi_free(job->ctx, block, bytes);
@@ -321,7 +344,8 @@ static bvx_status repair_surface(levels_job *job, const bvx_mesh_view *welded, b
     bvx_repair_options_init(&r, sizeof r);
     r.lattice = o->lattice;
     r.resolution = o->resolution;
-    if (o->resolution == 0) BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &r.resolution));
+    if (o->resolution == 0)
+        BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &r.resolution));
     if (sharp < 0) BVXI_TRY(is_sharp_mesh(job->ctx, welded, &sharp));
     r.sharp = sharp;
     r.sign = o->sign;
@@ -366,15 +390,18 @@ static bvx_status levels_steps(levels_job *job, const bvx_mesh_view *welded)
 
     BVXI_TRY(bvx_mesh_check(job->ctx, welded, 0, c));
     if (c->triangles == c->degenerate)
-        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area", levels_name, job->mesh->triangle_count);
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
+                         levels_name, job->mesh->triangle_count);
 
     if (o->source == BVX_LEVELS_MESH) return simplify_as_it_is(job, welded);
-    if (o->source == BVX_LEVELS_MEASURED || wants_measured(o) || !c->closed || !c->edge_manifold || !c->vertex_manifold || !c->oriented ||
-        c->degenerate != 0)
+    if (o->source == BVX_LEVELS_MEASURED || wants_measured(o) || !c->closed || !c->edge_manifold ||
+        !c->vertex_manifold || !c->oriented || c->degenerate != 0)
         return simplify_measured(job, welded);
 
-    /* The measured surface of a large scan has fewer triangles to collapse, and none of the tiny handles that scans have. */
-    if (c->triangles > SHARP_MOST && c->triangles / SCAN_RATIO > finest_of(o, job->chain.count, c->triangles)) return simplify_measured(job, welded);
+    /* The measured surface of a large scan has fewer triangles to collapse, and none of the tiny handles that
+     * scans have. */
+    if (c->triangles > SHARP_MOST && c->triangles / SCAN_RATIO > finest_of(o, job->chain.count, c->triangles))
+        return simplify_measured(job, welded);
 
     BVXI_TRY(bvx_mesh_crossings(job->ctx, welded, &crossings, NULL, 0));
     job->report.crossings = crossings;
@@ -402,8 +429,8 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->reports = o->reports;
 }
 
-bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options, uint64_t level_count,
-                            bvx_mesh *levels)
+bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
+                            const bvx_levels_options *options, uint64_t level_count, bvx_mesh *levels)
 {
     bvx_levels_options o = levels_defaults;
     levels_job job = {.ctx = context, .mesh = mesh, .options = &o};
@@ -417,14 +444,19 @@ bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh, con
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, levels_name, &o));
     if (o.source == BVX_LEVELS_MESH && wants_measured(&o))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: a lattice, a resolution, a sign, least_part, least_cavity and outer need a measured surface; "
-                         "source is BVX_LEVELS_MESH", levels_name);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                         "%s: a lattice, a resolution, a sign, least_part, least_cavity and outer need a "
+                         "measured surface; "
+                         "source is BVX_LEVELS_MESH",
+                         levels_name);
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
-    for (uint64_t i = 0; i < level_count; i++) BVXI_TRY(bvxi_view_apart(context, levels_name, mesh, &levels[i]));
+    for (uint64_t i = 0; i < level_count; i++)
+        BVXI_TRY(bvxi_view_apart(context, levels_name, mesh, &levels[i]));
     take_chain(&job, level_count, levels);
     BVXI_TRY(bvxi_levels_check(context, &job.chain));
 
-    if (mesh->triangle_count == 0) return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", levels_name);
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", levels_name);
     BVXI_TRY(bvxi_view_bounds(context, levels_name, mesh, low, high));
     status = bvxi_welded_view(context, mesh, &welded, &corner);
     if (status == BVX_OK) status = levels_steps(&job, &welded);

@@ -1,6 +1,7 @@
 /* box_tree.c - an eight-wide hierarchy of boxes over triangles, kept up to date while edges collapse.
  *
- * A box that grows is handed upwards until one contains it already, which is soon: most collapses change two nodes or three. */
+ * A box that grows is handed upwards until one contains it already, which is soon: most collapses change two
+ * nodes or three. */
 #include "simplify/box_tree.h"
 
 static uint64_t nodes_over(uint64_t count)
@@ -59,7 +60,8 @@ void bvxi_box_tree_set(bvxi_box_tree *tree, const bvxi_corners *m)
 
     for (uint64_t t = 0; t < m->triangles; t++) {
         const uint32_t *const v = m->triangle[t].vertex;
-        bvxi_box const box = bvxi_box_of(tree, bvxi_corner_position(m, v[0]), bvxi_corner_position(m, v[1]), bvxi_corner_position(m, v[2]));
+        bvxi_box const box = bvxi_box_of(tree, bvxi_corner_position(m, v[0]), bvxi_corner_position(m, v[1]),
+                                         bvxi_corner_position(m, v[2]));
 
         bvxi_box_put(&tree->node[0][t / BVXI_BOX_WIDTH], (int32_t)(t % BVXI_BOX_WIDTH), &box);
     }

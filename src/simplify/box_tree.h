@@ -1,7 +1,7 @@
 /* box_tree.h - boxes over triangles that change: eight to a node, level by level, no pointers. Not installed.
  *
- * Source: Kamel, Faloutsos. On Packing R-trees. 1993; boxes only grow between two settings, so a tree is set anew after
- * every halving. The order of the triangles must follow a curve through space. */
+ * Source: Kamel, Faloutsos. On Packing R-trees. 1993; boxes only grow between two settings, so a tree is set
+ * anew after every halving. The order of the triangles must follow a curve through space. */
 #ifndef BVXI_BOX_TREE_H
 #define BVXI_BOX_TREE_H
 
@@ -12,9 +12,15 @@
 #include <immintrin.h>
 #endif
 
-enum { BVXI_BOX_WIDTH = 8, BVXI_BOX_LEVELS = 12, BVXI_BOX_STACK = BVXI_BOX_WIDTH * BVXI_BOX_LEVELS, BVXI_BOX_HIGHEST = 32767 };
+enum {
+    BVXI_BOX_WIDTH = 8,
+    BVXI_BOX_LEVELS = 12,
+    BVXI_BOX_STACK = BVXI_BOX_WIDTH * BVXI_BOX_LEVELS,
+    BVXI_BOX_HIGHEST = 32767
+};
 
-/* Whole steps of 1 / 32767 of the mesh's size. Rounding down keeps order: what overlaps, overlaps in steps too. */
+/* Whole steps of 1 / 32767 of the mesh's size. Rounding down keeps order: what overlaps, overlaps in steps
+ * too. */
 typedef struct bvxi_box {
     int16_t low[3], high[3];
 } bvxi_box;
@@ -24,10 +30,11 @@ typedef struct bvxi_box_node {
 } bvxi_box_node;
 
 typedef struct bvxi_box_tree {
-    bvxi_box_node *node[BVXI_BOX_LEVELS]; /* node[0][i]: triangles 8i .. 8i + 7; node[l][i]: nodes 8i .. 8i + 7 of level l - 1 */
+    bvxi_box_node *node[BVXI_BOX_LEVELS]; /* node[0][i]: triangles 8i .. 8i + 7; node[l][i]: nodes 8i .. 8i +
+                                             7 of level l - 1 */
     uint64_t count[BVXI_BOX_LEVELS];      /* nodes of each level; the last level has one */
     int32_t levels;
-    double low[3], scale;                 /* steps = (position - low) * scale */
+    double low[3], scale; /* steps = (position - low) * scale */
 } bvxi_box_tree;
 
 /* Bytes of the nodes of so many triangles. */
@@ -45,7 +52,8 @@ static inline int16_t bvxi_box_step(const bvxi_box_tree *tree, double position, 
 }
 
 /* The box of a triangle's three corners. */
-static inline bvxi_box bvxi_box_of(const bvxi_box_tree *tree, const double *a, const double *b, const double *c)
+static inline bvxi_box bvxi_box_of(const bvxi_box_tree *tree, const double *a, const double *b,
+                                   const double *c)
 {
     bvxi_box box;
 
@@ -96,8 +104,10 @@ static inline uint32_t bvxi_box_overlaps(const bvxi_box_node *node, const bvxi_b
     __m128i apart = _mm_setzero_si128();
 
     for (int a = 0; a < 3; a++) {
-        apart = _mm_or_si128(apart, _mm_cmpgt_epi16(_mm_loadu_si128((const __m128i *)(const void *)node->low[a]), q->high[a]));
-        apart = _mm_or_si128(apart, _mm_cmpgt_epi16(q->low[a], _mm_loadu_si128((const __m128i *)(const void *)node->high[a])));
+        apart = _mm_or_si128(
+            apart, _mm_cmpgt_epi16(_mm_loadu_si128((const __m128i *)(const void *)node->low[a]), q->high[a]));
+        apart = _mm_or_si128(
+            apart, _mm_cmpgt_epi16(q->low[a], _mm_loadu_si128((const __m128i *)(const void *)node->high[a])));
     }
     return ~(uint32_t)_mm_movemask_epi8(_mm_packs_epi16(apart, apart)) & 0xff;
 #else
@@ -105,8 +115,9 @@ static inline uint32_t bvxi_box_overlaps(const bvxi_box_node *node, const bvxi_b
     uint32_t bits = 0;
 
     for (int k = 0; k < BVXI_BOX_WIDTH; k++)
-        bits |= (uint32_t)((node->low[0][k] <= box->high[0]) & (node->high[0][k] >= box->low[0]) & (node->low[1][k] <= box->high[1]) &
-                           (node->high[1][k] >= box->low[1]) & (node->low[2][k] <= box->high[2]) & (node->high[2][k] >= box->low[2]))
+        bits |= (uint32_t)((node->low[0][k] <= box->high[0]) & (node->high[0][k] >= box->low[0]) &
+                           (node->low[1][k] <= box->high[1]) & (node->high[1][k] >= box->low[1]) &
+                           (node->low[2][k] <= box->high[2]) & (node->high[2][k] >= box->low[2]))
                 << k;
     return bits;
 #endif

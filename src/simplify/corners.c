@@ -1,17 +1,18 @@
 /* corners.c - a corner table set up, and packed after collapses.
  *
- * Source: Chiba, Nishizeki. Arboricity and Subgraph Listing Algorithms. 1985: a walk over the neighbours of each edge's end
- * of fewer neighbours costs O(edges) in all on surfaces.
+ * Source: Chiba, Nishizeki. Arboricity and Subgraph Listing Algorithms. 1985: a walk over the neighbours of
+ * each edge's end of fewer neighbours costs O(edges) in all on surfaces.
  *
- * Every edge waits at its end of fewer triangles for its second side. Guarantee: what bvxi_corners_connect accepts is closed, edge- and vertex-manifold
- * and oriented. */
+ * Every edge waits at its end of fewer triangles for its second side. Guarantee: what bvxi_corners_connect
+ * accepts is closed, edge- and vertex-manifold and oriented. */
 #include "simplify/corners.h"
 
 /* ---- Connecting ---- */
 
 /* Edges that wait, by their end. */
 typedef struct edge_lists {
-    int32_t *first;   /* the corner opposite to the last edge that began to wait at each vertex, or -1 [Size: vertices] */
+    int32_t *first;   /* the corner opposite to the last edge that began to wait at each vertex, or -1 [Size:
+                         vertices] */
     int32_t *next;    /* the one before, of each corner [Size: triangles * 4] */
     uint32_t *around; /* triangles of each vertex [Size: vertices] */
 } edge_lists;
@@ -19,21 +20,24 @@ typedef struct edge_lists {
 static bvx_status fail_edge(bvx_context *ctx, const char *function, uint32_t u, uint32_t v)
 {
     return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                     "%s: the mesh is not closed, manifold and oriented: the edge between vertices %u and %u does not have "
+                     "%s: the mesh is not closed, manifold and oriented: the edge between vertices %u and %u "
+                     "does not have "
                      "two triangles that run along it in opposite directions; bvx_repair makes such a mesh",
                      function, (uint64_t)u, (uint64_t)v);
 }
 
-/* Join a corner with the one that waits across its edge, or let it wait; 0 when the edge has too many sides, or two that
- * run the same way. */
+/* Join a corner with the one that waits across its edge, or let it wait; 0 when the edge has too many sides,
+ * or two that run the same way. */
 static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c)
 {
-    uint32_t const u = bvxi_corner_vertex_of(m, bvxi_corner_next(c)), v = bvxi_corner_vertex_of(m, bvxi_corner_previous(c));
+    uint32_t const u = bvxi_corner_vertex_of(m, bvxi_corner_next(c)),
+                   v = bvxi_corner_vertex_of(m, bvxi_corner_previous(c));
     int const at_u = lists->around[u] < lists->around[v] || (lists->around[u] == lists->around[v] && u < v);
     uint32_t const end = at_u ? u : v;
 
     for (int32_t e = lists->first[end]; e >= 0; e = lists->next[e]) {
-        uint32_t const a = bvxi_corner_vertex_of(m, bvxi_corner_next(e)), b = bvxi_corner_vertex_of(m, bvxi_corner_previous(e));
+        uint32_t const a = bvxi_corner_vertex_of(m, bvxi_corner_next(e)),
+                       b = bvxi_corner_vertex_of(m, bvxi_corner_previous(e));
 
         if (a == u && b == v) return 0;
         if (a != v || b != u) continue;
@@ -48,7 +52,8 @@ static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c)
     return u != v;
 }
 
-/* An edge's second side may be refused as its third: each is named by the corner across it, in the messages by its ends. */
+/* An edge's second side may be refused as its third: each is named by the corner across it, in the messages
+ * by its ends. */
 static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corners *m, edge_lists *lists)
 {
     int32_t const end = (int32_t)(4 * m->triangles);
@@ -62,11 +67,13 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
 
     for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1)
         if (!pair_corner(m, lists, c))
-            return fail_edge(ctx, function, bvxi_corner_vertex_of(m, bvxi_corner_next(c)), bvxi_corner_vertex_of(m, bvxi_corner_previous(c)));
+            return fail_edge(ctx, function, bvxi_corner_vertex_of(m, bvxi_corner_next(c)),
+                             bvxi_corner_vertex_of(m, bvxi_corner_previous(c)));
 
     for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1)
         if (bvxi_corner_opposite(m, c) < 0)
-            return fail_edge(ctx, function, bvxi_corner_vertex_of(m, bvxi_corner_next(c)), bvxi_corner_vertex_of(m, bvxi_corner_previous(c)));
+            return fail_edge(ctx, function, bvxi_corner_vertex_of(m, bvxi_corner_next(c)),
+                             bvxi_corner_vertex_of(m, bvxi_corner_previous(c)));
     return BVX_OK;
 }
 
@@ -89,8 +96,10 @@ static bvx_status check_fans(bvx_context *ctx, const char *function, const bvxi_
         } while (c != first[v]);
     }
     if (reached == 3 * m->triangles) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the mesh is not manifold: a vertex joins several fans of triangles; bvx_repair parts them",
-                     function);
+    return bvxi_fail(
+        ctx, BVX_ERR_ARGUMENT,
+        "%s: the mesh is not manifold: a vertex joins several fans of triangles; bvx_repair parts them",
+        function);
 }
 
 bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *m)
@@ -137,8 +146,8 @@ void bvxi_corners_pack(bvxi_corners *m, uint32_t *moved)
 
     pack_vertices(m, moved);
 
-    /* Opposites point both ways: where a triangle moves to, its neighbours point at once. What lies ahead is found there
-     * when its turn comes, what lies behind has its new place already. */
+    /* Opposites point both ways: where a triangle moves to, its neighbours point at once. What lies ahead is
+     * found there when its turn comes, what lies behind has its new place already. */
     for (uint64_t t = 0; t < m->triangles; t++) {
         bvxi_corner_triangle moving = m->triangle[t];
 

@@ -2,9 +2,10 @@
  *
  * Source: Rossignac. Edgebreaker: Connectivity Compression for Triangle Meshes. 1999.
  *
- * Corner c belongs to triangle c / 4, whose corners c % 4 of 0, 1, 2 run counter-clockwise; the edge opposite to c joins its two fellows.
- * Every vertex has one fan of triangles, so all of it is reached from one corner. A vertex is one line of cache, a
- * triangle's corners lie together: collapses are bound by the memory that they touch. */
+ * Corner c belongs to triangle c / 4, whose corners c % 4 of 0, 1, 2 run counter-clockwise; the edge opposite
+ * to c joins its two fellows. Every vertex has one fan of triangles, so all of it is reached from one corner.
+ * A vertex is one line of cache, a triangle's corners lie together: collapses are bound by the memory that
+ * they touch. */
 #ifndef BVXI_CORNERS_H
 #define BVXI_CORNERS_H
 
@@ -12,8 +13,8 @@
 
 #define BVXI_VERTEX_NONE UINT32_MAX
 
-/* A position of the result's type, and the sum of squared distances about it: d'Ad + 2b'd + c at position + d, in units of
- * the mesh's size; A is xx xy xz yy yz zz. */
+/* A position of the result's type, and the sum of squared distances about it: d'Ad + 2b'd + c at position +
+ * d, in units of the mesh's size; A is xx xy xz yy yz zz. */
 typedef struct bvxi_corner_vertex {
     double p[3];
     float a[6], b[3], c;
@@ -34,7 +35,7 @@ typedef struct bvxi_corners {
     bvxi_corner_triangle *triangle; /* [Size: triangles] */
     bvxi_facing *facing;            /* [Size: vertices] */
     uint64_t vertices, triangles;
-    uint64_t left;                  /* triangles that are not gone */
+    uint64_t left; /* triangles that are not gone */
 } bvxi_corners;
 
 static inline int32_t bvxi_corner_next(int32_t c)
@@ -90,12 +91,12 @@ static inline void bvxi_area_normal(const double *a, const double *b, const doub
     n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
-/* Join the corners of a mesh whose vertices and triangles' vertices are set. Refuses with BVX_ERR_ARGUMENT what is not
- * closed, edge- and vertex-manifold and oriented. Scratch: 16 bytes a triangle and 8 a vertex. */
+/* Join the corners of a mesh whose vertices and triangles' vertices are set. Refuses with BVX_ERR_ARGUMENT
+ * what is not closed, edge- and vertex-manifold and oriented. Scratch: 16 bytes a triangle and 8 a vertex. */
 bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *mesh);
 
-/* Close the gaps that collapses left: vertices and triangles keep their order. moved [Size: vertices before] becomes the
- * new index of each vertex, or BVXI_VERTEX_NONE. */
+/* Close the gaps that collapses left: vertices and triangles keep their order. moved [Size: vertices before]
+ * becomes the new index of each vertex, or BVXI_VERTEX_NONE. */
 void bvxi_corners_pack(bvxi_corners *mesh, uint32_t *moved);
 
 #endif

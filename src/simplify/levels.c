@@ -1,7 +1,7 @@
 /* levels.c - a chain of levels by triangle count, by error or by halving, each continued from the one before.
  *
- * A level by error is found by going on in steps of a sixth of the triangles and measuring each: the last one that keeps the
- * error is the level, and the chain goes on from the first one that does not. */
+ * A level by error is found by going on in steps of a sixth of the triangles and measuring each: the last one
+ * that keeps the error is the level, and the chain goes on from the first one that does not. */
 #include "simplify/levels.h"
 #include "core/angle.h"
 
@@ -15,21 +15,30 @@ bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
 {
     if (c->count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level_count is 0", c->function);
     if (c->target_triangles != NULL && c->target_errors != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_triangles and target_errors exclude each other; set one of them", c->function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: target_triangles and target_errors exclude each other; set one of them",
+                         c->function);
     if (c->error_kind != BVX_ERROR_MEAN && c->error_kind != BVX_ERROR_MAX)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: error_kind %d is neither BVX_ERROR_MEAN nor BVX_ERROR_MAX", c->function,
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: error_kind %d is neither BVX_ERROR_MEAN nor BVX_ERROR_MAX", c->function,
                          (int64_t)c->error_kind);
     if (!(c->collapse.even >= 0 && c->collapse.even <= 1))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: even %g is outside 0 to 1", c->function, c->collapse.even);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: even %g is outside 0 to 1", c->function,
+                         c->collapse.even);
     if (c->measure_samples > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: measure_samples %u is above 2^31 - 1", c->function, c->measure_samples);
-    if ((c->strict & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: strict %d is neither 0 nor 1", c->function, (int64_t)c->strict);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: measure_samples %u is above 2^31 - 1", c->function,
+                         c->measure_samples);
+    if ((c->strict & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: strict %d is neither 0 nor 1", c->function,
+                         (int64_t)c->strict);
 
     for (uint64_t i = 0; i < c->count; i++) {
         if (c->target_triangles != NULL && c->target_triangles[i] == 0)
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_triangles[%u] is 0", c->function, i);
-        if (c->target_errors != NULL && !(c->target_errors[i] > 0 && c->target_errors[i] - c->target_errors[i] == 0))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_errors[%u] is %g; it must be above 0 and finite", c->function, i,
+        if (c->target_errors != NULL &&
+            !(c->target_errors[i] > 0 && c->target_errors[i] - c->target_errors[i] == 0))
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                             "%s: target_errors[%u] is %g; it must be above 0 and finite", c->function, i,
                              c->target_errors[i]);
     }
     return BVX_OK;
@@ -38,14 +47,17 @@ bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
 void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count)
 {
     for (uint64_t i = 0; i < count; i++) {
-        if (levels[i].owned) bvx_mesh_free(ctx, &levels[i]);
-        else levels[i].vertex_count = levels[i].triangle_count = 0;
+        if (levels[i].owned)
+            bvx_mesh_free(ctx, &levels[i]);
+        else
+            levels[i].vertex_count = levels[i].triangle_count = 0;
     }
 }
 
 /* ---- Measures ---- */
 
-static bvx_status measure_level(bvx_context *ctx, const bvxi_level_chain *c, const bvx_mesh *level, uint64_t samples, bvx_distance_report *d)
+static bvx_status measure_level(bvx_context *ctx, const bvxi_level_chain *c, const bvx_mesh *level,
+                                uint64_t samples, bvx_distance_report *d)
 {
     bvx_mesh_view view;
 
@@ -66,7 +78,8 @@ static double smallest_angle(const bvx_mesh *level)
         for (int k = 0; k < 3; k++)
             for (int a = 0; a < 3; a++) {
                 uint64_t const at = 3 * (uint64_t)level->triangles[3 * t + (uint64_t)k] + (uint64_t)a;
-                p[k][a] = level->position_type == BVX_F64 ? ((const double *)level->positions)[at] : (double)((const float *)level->positions)[at];
+                p[k][a] = level->position_type == BVX_F64 ? ((const double *)level->positions)[at]
+                                                          : (double)((const float *)level->positions)[at];
             }
         for (int k = 0; k < 3; k++) {
             double u[3], v[3], n[3], angle;
@@ -75,15 +88,18 @@ static double smallest_angle(const bvx_mesh *level)
                 u[a] = p[(k + 1) % 3][a] - p[k][a];
                 v[a] = p[(k + 2) % 3][a] - p[k][a];
             }
-            for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-            angle = bvxi_angle(u[0] * v[0] + u[1] * v[1] + u[2] * v[2], sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
+            for (int a = 0; a < 3; a++)
+                n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+            angle = bvxi_angle(u[0] * v[0] + u[1] * v[1] + u[2] * v[2],
+                               sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
             if (angle < least) least = angle;
         }
     }
     return least * (180 / BVXI_PI);
 }
 
-static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, const bvxi_collapse *collapse, int met)
+static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i,
+                               const bvxi_collapse *collapse, int met)
 {
     const bvxi_collapse_counts *const counts = bvxi_collapse_tried(collapse);
     bvx_mesh_view view;
@@ -98,7 +114,9 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     memset(r, 0, sizeof *r);
     r->vertices = view.vertex_count;
     r->triangles = view.triangle_count;
-    r->target = c->target_triangles != NULL ? c->target_triangles[i] : c->target_errors != NULL ? 0 : c->halve_from >> (i + 1);
+    r->target = c->target_triangles != NULL ? c->target_triangles[i]
+                : c->target_errors != NULL  ? 0
+                                            : c->halve_from >> (i + 1);
     r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
     r->met = met;
     r->crossings = crossings;
@@ -113,7 +131,8 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
 
 /* ---- Levels ---- */
 
-static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, double from, double to, int *met)
+static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, double from,
+                                double to, int *met)
 {
     uint64_t const halved = i < 63 ? c->halve_from >> (i + 1) : 0;
     uint64_t const target = c->target_triangles != NULL ? c->target_triangles[i] : halved;
@@ -124,7 +143,8 @@ static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *
 }
 
 /* Give the mesh as it is now to level i when it keeps the error; *kept tells. */
-static bvx_status keep_when_near(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *kept)
+static bvx_status keep_when_near(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                                 int *kept)
 {
     uint64_t const samples = c->measure_samples != 0 ? c->measure_samples : LEVEL_ERROR_SAMPLES;
     bvx_distance_report d;
@@ -137,7 +157,8 @@ static bvx_status keep_when_near(bvx_context *ctx, bvxi_level_chain *c, uint64_t
     return status;
 }
 
-static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *met)
+static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                                int *met)
 {
     uint64_t before;
     int kept = 1;
@@ -159,19 +180,25 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return BVX_OK;
 }
 
-static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, double from, double to)
+static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                             double from, double to)
 {
     int met;
 
-    if (c->target_errors != NULL) BVXI_TRY(make_by_error(ctx, c, i, collapse, &met));
-    else BVXI_TRY(make_by_count(c, i, collapse, from, to, &met));
+    if (c->target_errors != NULL)
+        BVXI_TRY(make_by_error(ctx, c, i, collapse, &met));
+    else
+        BVXI_TRY(make_by_count(c, i, collapse, from, to, &met));
     if (c->strict && !met)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u cannot keep its target: %u triangles are the fewest that keep the guarantee",
-                         c->function, i, c->levels[i].triangle_count);
+        return bvxi_fail(
+            ctx, BVX_ERR_RANGE,
+            "%s: level %u cannot keep its target: %u triangles are the fewest that keep the guarantee",
+            c->function, i, c->levels[i].triangle_count);
     return report_level(ctx, c, i, collapse, met);
 }
 
-bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface, double from, double to)
+bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface, double from,
+                            double to)
 {
     bvxi_collapse *collapse = NULL;
     bvx_status status = bvxi_collapse_open(ctx, c->function, surface, &c->collapse, &collapse);

@@ -7,27 +7,30 @@
 /* What the levels of a chain are to be: options of bvx_mesh_simplify and bvx_build_levels, checked. */
 typedef struct bvxi_level_chain {
     const char *function;
-    const bvx_mesh_view *original;  /* that errors are measured against */
+    const bvx_mesh_view *original; /* that errors are measured against */
     const uint64_t *target_triangles;
     const double *target_errors;
-    uint64_t halve_from;            /* triangles that are halved where neither is given */
+    uint64_t halve_from; /* triangles that are halved where neither is given */
     int32_t error_kind, strict;
     uint64_t measure_samples;
     bvxi_collapse_options collapse;
     uint64_t count;
     bvx_mesh *levels;
-    bvx_level_report *reports;      /* or NULL */
+    bvx_level_report *reports; /* or NULL */
 } bvxi_level_chain;
 
 /* Refuse options that say too much, or nothing that can be. */
 bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *chain);
-/* Make all levels of a surface that is closed, manifold and oriented. After a failure none is left. from, to: share of progress. */
-bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx_mesh_view *surface, double from, double to);
+/* Make all levels of a surface that is closed, manifold and oriented. After a failure none is left. from, to:
+ * share of progress. */
+bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx_mesh_view *surface,
+                            double from, double to);
 /* Free what the library made of levels, and empty those in arrays of the caller's. */
 void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
 
-/* simplify_mesh.c: view with one vertex a position and no triangle of two equal corners; *corner is its array or NULL
- * [Size: view->triangle_count * 3]. */
-bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mesh_view *view, uint32_t **corner);
+/* simplify_mesh.c: view with one vertex a position and no triangle of two equal corners; *corner is its array
+ * or NULL [Size: view->triangle_count * 3]. */
+bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mesh_view *view,
+                            uint32_t **corner);
 
 #endif

@@ -1,18 +1,19 @@
 /* queue.h - edges by rising cost, and near each other where costs are alike. Not installed.
  *
- * Costs fall into buckets of a sixty-fourth of a power of two. What lies further on waits in coarse buckets of half a power
- * of two, in the order in which it was put, which is one of space; the lowest coarse bucket is parted into fine ones a
- * batch at a time, so that edges that are taken one after the other are near in memory, or wholly where the order by
- * cost matters more. Putting and taking cost the same for any number of edges. Entries are not removed when an edge
- * changes: whoever takes one compares its stamp with the edge's. */
+ * Costs fall into buckets of a sixty-fourth of a power of two. What lies further on waits in coarse buckets
+ * of half a power of two, in the order in which it was put, which is one of space; the lowest coarse bucket
+ * is parted into fine ones a batch at a time, so that edges that are taken one after the other are near in
+ * memory, or wholly where the order by cost matters more. Putting and taking cost the same for any number of
+ * edges. Entries are not removed when an edge changes: whoever takes one compares its stamp with the edge's.
+ */
 #ifndef BVXI_QUEUE_H
 #define BVXI_QUEUE_H
 
 #include "core/core.h"
 
 enum {
-    BVXI_QUEUE_OCTAVE = 64,                        /* fine buckets that a doubled cost lies further on */
-    BVXI_QUEUE_SPAN = 256,                         /* fine buckets to a coarse one */
+    BVXI_QUEUE_OCTAVE = 64, /* fine buckets that a doubled cost lies further on */
+    BVXI_QUEUE_SPAN = 256,  /* fine buckets to a coarse one */
     BVXI_QUEUE_FINE = 256 * BVXI_QUEUE_OCTAVE,
     BVXI_QUEUE_COARSE = BVXI_QUEUE_FINE / BVXI_QUEUE_SPAN,
     BVXI_QUEUE_HEADS = BVXI_QUEUE_COARSE + BVXI_QUEUE_SPAN,
@@ -32,13 +33,14 @@ typedef struct bvxi_queue_chunk {
 } bvxi_queue_chunk;
 
 typedef struct bvxi_queue {
-    int32_t *head;       /* the last chunk of each coarse bucket, then of each fine one of the lowest [Size: BVXI_QUEUE_HEADS] */
+    int32_t *head; /* the last chunk of each coarse bucket, then of each fine one of the lowest [Size:
+                      BVXI_QUEUE_HEADS] */
     bvxi_queue_chunk *chunk;
     int32_t chunks, used; /* chunks that there are; that were ever used */
-    int32_t free;        /* a chain of chunks given back */
-    int32_t coarse;      /* the bucket that is parted; no lower one holds anything */
-    int32_t fine;        /* none of its fine buckets below this one holds anything */
-    int32_t batch;       /* entries that are parted at once */
+    int32_t free;         /* a chain of chunks given back */
+    int32_t coarse;       /* the bucket that is parted; no lower one holds anything */
+    int32_t fine;         /* none of its fine buckets below this one holds anything */
+    int32_t batch;        /* entries that are parted at once */
 } bvxi_queue;
 
 /* Costs rise with the bits of a float: exponent and six bits of the fraction number the buckets. */
@@ -73,8 +75,10 @@ static inline void bvxi_queue_push(bvxi_queue *q, int32_t head, const bvxi_queue
     if (at == BVXI_QUEUE_NONE || q->chunk[at].count == BVXI_QUEUE_CHUNK) {
         int32_t fresh = q->free;
 
-        if (fresh != BVXI_QUEUE_NONE) q->free = q->chunk[fresh].next;
-        else fresh = q->used++;
+        if (fresh != BVXI_QUEUE_NONE)
+            q->free = q->chunk[fresh].next;
+        else
+            fresh = q->used++;
         q->chunk[fresh].next = at;
         q->chunk[fresh].count = 0;
         q->head[head] = at = fresh;
@@ -113,14 +117,16 @@ static inline void bvxi_queue_put(bvxi_queue *q, const bvxi_queue_entry *entry)
 static inline int32_t bvxi_queue_soon(const bvxi_queue *q)
 {
     int32_t const at = q->fine < BVXI_QUEUE_SPAN ? q->head[BVXI_QUEUE_COARSE + q->fine] : BVXI_QUEUE_NONE;
-    return at != BVXI_QUEUE_NONE && q->chunk[at].count > 3 ? q->chunk[at].entry[q->chunk[at].count - 3].corner : -1;
+    return at != BVXI_QUEUE_NONE && q->chunk[at].count > 3 ? q->chunk[at].entry[q->chunk[at].count - 3].corner
+                                                           : -1;
 }
 
 /* Take one of the cheapest entries; 0 when there is none. */
 static inline int bvxi_queue_take(bvxi_queue *q, bvxi_queue_entry *entry)
 {
     for (;;) {
-        while (q->fine < BVXI_QUEUE_SPAN && q->head[BVXI_QUEUE_COARSE + q->fine] == BVXI_QUEUE_NONE) q->fine++;
+        while (q->fine < BVXI_QUEUE_SPAN && q->head[BVXI_QUEUE_COARSE + q->fine] == BVXI_QUEUE_NONE)
+            q->fine++;
         if (q->fine < BVXI_QUEUE_SPAN) break;
 
         while (q->coarse < BVXI_QUEUE_COARSE && q->head[q->coarse] == BVXI_QUEUE_NONE) q->coarse++;

@@ -12,11 +12,12 @@ void bvx_simplify_options_init(bvx_simplify_options *options, size_t size)
     bvxi_give_options(options, size, &simplify_defaults, sizeof simplify_defaults);
 }
 
-bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mesh_view *view, uint32_t **corner)
+bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mesh_view *view,
+                            uint32_t **corner)
 {
     uint64_t const bytes = mesh->vertex_count * 4;
     uint64_t different, kept = 0;
-    uint32_t *representative, *to;
+    uint32_t *representative = NULL, *to;
     bvx_status status;
 
     *view = *mesh;
@@ -46,15 +47,15 @@ bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mes
 static bvx_status check_simplify_options(bvx_context *ctx, const bvx_simplify_options *o)
 {
     if (o->position_type != 0 && o->position_type != BVX_F32 && o->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither 0, BVX_F32 nor BVX_F64", simplify_name,
-                         (int64_t)o->position_type);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither 0, BVX_F32 nor BVX_F64",
+                         simplify_name, (int64_t)o->position_type);
     if (o->reserved0 != 0 || (o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", simplify_name);
     return BVX_OK;
 }
 
-bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh, const bvx_simplify_options *options,
-                             uint64_t level_count, bvx_mesh *levels)
+bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
+                             const bvx_simplify_options *options, uint64_t level_count, bvx_mesh *levels)
 {
     bvx_simplify_options o = simplify_defaults;
     bvxi_level_chain chain = {.function = simplify_name};
@@ -68,7 +69,8 @@ bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh, co
     BVXI_TRY(bvxi_take_options(context, simplify_name, options, &o, sizeof o));
     BVXI_TRY(check_simplify_options(context, &o));
     BVXI_TRY(bvxi_view_check(context, simplify_name, mesh));
-    for (uint64_t i = 0; i < level_count; i++) BVXI_TRY(bvxi_view_apart(context, simplify_name, mesh, &levels[i]));
+    for (uint64_t i = 0; i < level_count; i++)
+        BVXI_TRY(bvxi_view_apart(context, simplify_name, mesh, &levels[i]));
 
     chain.original = mesh;
     chain.target_triangles = o.target_triangles;

@@ -1,15 +1,20 @@
 /* star.h - what one collapse changes: the triangles around an edge, before and after. Not installed.
  *
- * Source: link condition after Dey, Edelsbrunner, Guha, Nekhayev. Topology preserving edge contraction. 1999. */
+ * Source: link condition after Dey, Edelsbrunner, Guha, Nekhayev. Topology preserving edge contraction. 1999.
+ */
 #ifndef BVXI_STAR_H
 #define BVXI_STAR_H
 
 #include "simplify/box_tree.h"
 #include "simplify/corners.h"
 
-enum { BVXI_STAR_MOST = 512 /* triangles around the new vertex, or around one of its neighbours; an edge with more stays */ };
+enum {
+    BVXI_STAR_MOST =
+        512 /* triangles around the new vertex, or around one of its neighbours; an edge with more stays */
+};
 
-/* The triangles around a vertex, counter-clockwise: triangle i faces along normal[i] and runs from around[i] to around[i + 1]. */
+/* The triangles around a vertex, counter-clockwise: triangle i faces along normal[i] and runs from around[i]
+ * to around[i + 1]. */
 typedef struct bvxi_fan {
     int32_t count;
     double normal[BVXI_STAR_MOST + 2][3]; /* twice the triangle's area long */
@@ -17,32 +22,39 @@ typedef struct bvxi_fan {
     int32_t triangle[BVXI_STAR_MOST + 2]; /* of the mesh; those that are new have none */
 } bvxi_fan;
 
-/* The edge opposite to corner `edge` from vertex u to v becomes one vertex at p. Triangle i of the new star runs from p to
- * link[i] and link[i + 1] and takes the place of the old triangle that corner[i] is in. */
+/* The edge opposite to corner `edge` from vertex u to v becomes one vertex at p. Triangle i of the new star
+ * runs from p to link[i] and link[i + 1] and takes the place of the old triangle that corner[i] is in. */
 typedef struct bvxi_star {
     int32_t edge;
     uint32_t u, v;
     int32_t count;
     int32_t lenient; /* 1: what an old triangle crosses, a new one may */
     double p[3];
-    uint32_t link[BVXI_STAR_MOST + 1];      /* the first one again at the end */
-    int32_t corner[BVXI_STAR_MOST];         /* of u or v, opposite to the edge from link[i] to link[i + 1] */
-    double normal[BVXI_STAR_MOST][3];       /* of the new triangles, twice their area long */
-    bvxi_box box[BVXI_STAR_MOST];           /* of the new triangles */
-    bvxi_facing facing[BVXI_STAR_MOST], own_facing; /* of the link's vertices and the new one, after the collapse */
+    uint32_t link[BVXI_STAR_MOST + 1]; /* the first one again at the end */
+    int32_t corner[BVXI_STAR_MOST];    /* of u or v, opposite to the edge from link[i] to link[i + 1] */
+    double normal[BVXI_STAR_MOST][3];  /* of the new triangles, twice their area long */
+    bvxi_box box[BVXI_STAR_MOST];      /* of the new triangles */
+    bvxi_facing facing[BVXI_STAR_MOST],
+        own_facing; /* of the link's vertices and the new one, after the collapse */
     bvxi_box_node node[BVXI_STAR_MOST / BVXI_BOX_WIDTH]; /* the boxes again, eight to a node */
-    bvxi_fan fan; /* while one is judged */
+    bvxi_fan fan;                                        /* while one is judged */
 } bvxi_star;
 
 /* Why an edge stays. */
-enum { BVXI_STAR_SAFE = 0, BVXI_STAR_LINK = 1, BVXI_STAR_TURNS = 2, BVXI_STAR_NEEDLE = 3, BVXI_STAR_CROSSES = 4 };
+enum {
+    BVXI_STAR_SAFE = 0,
+    BVXI_STAR_LINK = 1,
+    BVXI_STAR_TURNS = 2,
+    BVXI_STAR_NEEDLE = 3,
+    BVXI_STAR_CROSSES = 4
+};
 
-/* Gather the triangles around the edge opposite to a corner; 0 when they are too many, or the ends have more than two
- * neighbours in common: the collapse would join what is apart. */
+/* Gather the triangles around the edge opposite to a corner; 0 when they are too many, or the ends have more
+ * than two neighbours in common: the collapse would join what is apart. */
 int bvxi_star_gather(const bvxi_corners *mesh, int32_t edge, bvxi_star *star);
 
-/* BVXI_STAR_SAFE when the new triangles around star->p keep their side, are no needles and cross nothing. Fills what the
- * star says about the new triangles. */
+/* BVXI_STAR_SAFE when the new triangles around star->p keep their side, are no needles and cross nothing.
+ * Fills what the star says about the new triangles. */
 int bvxi_star_judge(const bvxi_corners *mesh, const bvxi_box_tree *boxes, bvxi_star *star);
 
 #endif
