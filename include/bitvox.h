@@ -2015,7 +2015,7 @@ typedef struct bvx_simplify_options {
                                            neither, each level has half of the triangles of the one before, the first half of the mesh's] */
     int32_t error_kind;               /**< of target_errors: BVX_ERROR_MEAN or BVX_ERROR_MAX [Default: BVX_ERROR_MEAN] */
     int32_t position_type;            /**< BVX_F32 or BVX_F64 [Default: 0, the mesh's own] */
-    double even;                      /**< pull towards triangles of even size where the surface is flat [Limit: 0..1] [Default: 0.000001] */
+    double even;                      /**< pull towards triangles of even size where the surface is flat [Limit: 0..1] [Default: 1e-9] */
     uint64_t measure_samples;         /**< points a side for each report's distances [Limit: 0: not measured, or 1..2^31-1] [Default: 0; target_errors
                                            measure with 20000 where none are given] */
     int32_t strict;                   /**< 1: a target that cannot be kept is an error [Default: 0, the smallest mesh, met 0] */
@@ -2041,8 +2041,8 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  * Returns BVX_ERR_ARGUMENT (also: the mesh is not what is needed, with an edge), BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (strict: a
  * level that cannot be made; coordinates), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. After a failure no level
  * is left. The order of vertices and triangles of the mesh does not change the result.
- * Memory: at most 150 bytes a triangle and 300 KB; without indices, where vertices are three times as many as they are once welded,
- * 350 bytes a triangle. Cost: O(triangles), some microseconds for each that goes.
+ * Memory: at most 170 bytes a triangle and 300 KB; without indices, where vertices are three times as many as they are once welded,
+ * 370 bytes a triangle. Cost: O(triangles), some microseconds for each that goes.
  * Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; Liu, Rahimzadeh, Zordan. Controlling
  * Quadric Error Simplification with Line Quadrics. 2025.
  */
@@ -2073,7 +2073,7 @@ typedef struct bvx_levels_options {
     const double *target_errors;      /**< as in bvx_simplify_options */
     int32_t error_kind;               /**< as in bvx_simplify_options */
     int32_t position_type;            /**< BVX_F32 or BVX_F64 [Default: 0, f32 where it holds, else f64] */
-    double even;                      /**< as in bvx_simplify_options [Default: 0.000001] */
+    double even;                      /**< as in bvx_simplify_options [Default: 1e-9] */
     uint64_t measure_samples;         /**< as in bvx_simplify_options [Default: 0] */
     int32_t strict;                   /**< as in bvx_simplify_options [Default: 0] */
     int32_t source;                   /**< BVX_LEVELS_... [Default: BVX_LEVELS_AUTO; MEASURED where a lattice, a resolution, a

@@ -99,7 +99,7 @@ static const cli_argument arguments[] = {
           "levels of 1/2, 1/4, 1/8 ... of the triangles [4, or as many as leave\n20 triangles]"),
     WHOLE("--count", "N", CLI_SIMPLIFY, count, 1, CLI_MAX_LEVELS, "levels of 1/2, 1/4, 1/8 ... of the triangles [1]"),
     FLAG("--strict", MAKES_LEVELS, strict, "a level that cannot keep its target is an error: nothing is written"),
-    FROM_TO("--even", "W", MAKES_LEVELS, even, 0, 1, "pull to triangles of even size where the surface is flat [0.000001]"),
+    FROM_TO("--even", "W", MAKES_LEVELS, even, 0, 1, "pull to triangles of even size where the surface is flat [1e-9]"),
     CHOICE("--source", "WHAT", CLI_LOD, source, source_names, BVX_LEVELS_AUTO,
            "what levels are made from. mesh: the mesh itself, which must be closed,\nmanifold and oriented; measured: its surface, measured as repair does;\n"
            "auto: the mesh where that gives whole levels [auto; measured with\n--resolution, --sign, --least-part, --least-cavity, --outer-hull]"),

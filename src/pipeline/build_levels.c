@@ -28,7 +28,7 @@ enum {
 static const char levels_name[] = "bvx_build_levels";
 
 static const bvx_levels_options levels_defaults = {
-    .even = 0.000001, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0};
+    .even = 1e-9, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0};
 
 void bvx_levels_options_init(bvx_levels_options *options, size_t size)
 {

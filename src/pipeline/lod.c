@@ -13,7 +13,7 @@
 #include <math.h>
 
 /* Pull to even triangles, as the default of bvx_simplify_options. */
-#define LOD_EVEN 0.000001
+#define LOD_EVEN 1e-9
 
 static const char lod_name[] = "bvx_build_lods";
 static const bvx_lod_options lod_defaults = {

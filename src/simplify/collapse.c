@@ -90,35 +90,63 @@ static void join_quadrics(const bvxi_corner_vertex *u, const bvxi_corner_vertex 
     double g[3];
 
     for (int i = 0; i < 6; i++) {
-        other.a[i] = (double)v->a[i];
-        q->a[i] = (double)u->a[i] + other.a[i];
+        other.a[i] = v->a[i];
+        q->a[i] = u->a[i] + other.a[i];
     }
 
     /* About u the other one has b - A offset, and c - 2 b' offset + offset' A offset. */
-    for (int i = 0; i < 3; i++) other.b[i] = -(double)v->b[i];
+    for (int i = 0; i < 3; i++) other.b[i] = -v->b[i];
     half_gradient(&other, offset, g);
-    for (int i = 0; i < 3; i++) q->b[i] = (double)u->b[i] - g[i];
-    q->c = (double)u->c + (double)v->c;
+    for (int i = 0; i < 3; i++) q->b[i] = u->b[i] - g[i];
+    q->c = u->c + v->c;
     for (int i = 0; i < 3; i++) q->c += offset[i] * (g[i] + other.b[i]);
 }
 
-/* Where the quadric is least, within reach of the middle; 0: planes do not fix a place there. */
+/* Solve A step = -g by elimination with the largest remaining diagonal first, which keeps small eigenvalues apart
+ * from rounding; 0: A is singular within it. */
+static int solve_least(const double packed[6], const double g[3], double step[3])
+{
+    double a[3][4] = {{packed[0], packed[1], packed[2], -g[0]},
+                      {packed[1], packed[3], packed[4], -g[1]},
+                      {packed[2], packed[4], packed[5], -g[2]}};
+    double const least = (packed[0] + packed[3] + packed[5]) * 1e-13;
+    int order[3] = {0, 1, 2};
+
+    for (int k = 0; k < 3; k++) {
+        int best = k;
+
+        for (int i = k + 1; i < 3; i++)
+            if (a[order[i]][order[i]] > a[order[best]][order[best]]) best = i;
+        {
+            int const swap = order[k];
+            order[k] = order[best];
+            order[best] = swap;
+        }
+        if (!(a[order[k]][order[k]] > least)) return 0;
+
+        for (int i = k + 1; i < 3; i++) {
+            double const factor = a[order[i]][order[k]] / a[order[k]][order[k]];
+
+            for (int j = k + 1; j < 3; j++) a[order[i]][order[j]] -= factor * a[order[k]][order[j]];
+            a[order[i]][3] -= factor * a[order[k]][3];
+        }
+    }
+    for (int k = 2; k >= 0; k--) {
+        double sum = a[order[k]][3];
+
+        for (int j = k + 1; j < 3; j++) sum -= a[order[k]][order[j]] * step[order[j]];
+        step[order[k]] = sum / a[order[k]][order[k]];
+    }
+    return 1;
+}
+
+/* Where the quadric is least, within reach of the middle; 0: planes do not fix a position there. */
 static int least_point(const quadric *q, const double middle[3], double reach, double d[3])
 {
-    const double *const a = q->a;
-    double const m00 = a[3] * a[5] - a[4] * a[4], m01 = a[2] * a[4] - a[1] * a[5],
-                 m02 = a[1] * a[4] - a[2] * a[3];
-    double const m11 = a[0] * a[5] - a[2] * a[2], m12 = a[1] * a[2] - a[0] * a[4],
-                 m22 = a[0] * a[3] - a[1] * a[1];
-    double const det = a[0] * m00 + a[1] * m01 + a[2] * m02, trace = a[0] + a[3] + a[5];
-    double g[3], step[3], inverse;
+    double g[3], step[3];
 
-    if (!(det > 1e-15 * trace * trace * trace)) return 0;
     half_gradient(q, middle, g);
-    inverse = -1 / det;
-    step[0] = (m00 * g[0] + m01 * g[1] + m02 * g[2]) * inverse;
-    step[1] = (m01 * g[0] + m11 * g[1] + m12 * g[2]) * inverse;
-    step[2] = (m02 * g[0] + m12 * g[1] + m22 * g[2]) * inverse;
+    if (!solve_least(q->a, g, step)) return 0;
     if (!(step[0] * step[0] + step[1] * step[1] + step[2] * step[2] <= reach)) return 0;
     for (int k = 0; k < 3; k++) d[k] = middle[k] + step[k];
     return 1;
@@ -185,9 +213,9 @@ static void settle_vertex(bvxi_collapse *c, const bvxi_star *star, const quadric
         at->p[k] = star->p[k];
     }
     half_gradient(q, d, g);
-    for (int i = 0; i < 6; i++) at->a[i] = (float)q->a[i];
-    for (int i = 0; i < 3; i++) at->b[i] = (float)g[i];
-    at->c = (float)quadric_at(q, d);
+    for (int i = 0; i < 6; i++) at->a[i] = q->a[i];
+    for (int i = 0; i < 3; i++) at->b[i] = g[i];
+    at->c = quadric_at(q, d);
 }
 
 static void apply_star(bvxi_collapse *c, const bvxi_star *star, const quadric *q)
@@ -252,7 +280,8 @@ static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
     if (bvxi_star_gather(m, entry->corner, &c->star)) {
         double d[3];
 
-        meeting_point(c, u, v, &q, d);
+        /* What was refused once may leave needles: thin plates cannot do without. */
+        c->star.needles = bvxi_queue_bucket(meeting_point(c, u, v, &q, d)) < entry->bucket;
         verdict = judge_at(c, d);
         if (verdict != BVXI_STAR_SAFE && judge_elsewhere(c, &q, entry->bucket) == BVXI_STAR_SAFE)
             verdict = BVXI_STAR_SAFE;
@@ -474,7 +503,7 @@ static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
     int index = 0;
 
     for (int i = 0; i < 3; i++)
-        for (int j = i; j < 3; j++) at->a[index++] += (float)(weight * n[i] * n[j]);
+        for (int j = i; j < 3; j++) at->a[index++] += weight * n[i] * n[j];
 }
 
 /* Each triangle's plane to its corners, by area; normal[v] sums the triangles' area normals. */
@@ -506,13 +535,13 @@ static void add_lines(bvxi_collapse *c, double (*normal)[3])
         bvxi_corner_vertex *const at = &c->mesh.at[v];
         double *const n = normal[v];
         double const length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        double const weight = c->options.even * (double)(at->a[0] + at->a[3] + at->a[5]);
+        double const weight = c->options.even * (at->a[0] + at->a[3] + at->a[5]);
         int index = 0;
 
         if (!(length > 0)) continue;
         for (int k = 0; k < 3; k++) n[k] /= length;
         for (int i = 0; i < 3; i++)
-            for (int j = i; j < 3; j++) at->a[index++] += (float)(weight * ((i == j) - n[i] * n[j]));
+            for (int j = i; j < 3; j++) at->a[index++] += weight * ((i == j) - n[i] * n[j]);
     }
 }
 

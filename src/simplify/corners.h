@@ -17,7 +17,7 @@
  * d, in units of the mesh's size; A is xx xy xz yy yz zz. */
 typedef struct bvxi_corner_vertex {
     double p[3];
-    float a[6], b[3], c;
+    double a[6], b[3], c;
 } bvxi_corner_vertex;
 
 typedef struct bvxi_corner_triangle {

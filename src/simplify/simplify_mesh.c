@@ -5,7 +5,7 @@
 
 static const char simplify_name[] = "bvx_mesh_simplify";
 
-static const bvx_simplify_options simplify_defaults = {.error_kind = BVX_ERROR_MEAN, .even = 0.000001};
+static const bvx_simplify_options simplify_defaults = {.error_kind = BVX_ERROR_MEAN, .even = 1e-9};
 
 void bvx_simplify_options_init(bvx_simplify_options *options, size_t size)
 {

@@ -122,6 +122,7 @@ static int judge_shapes(const bvxi_corners *m, bvxi_star *star)
             return BVXI_STAR_TURNS;
 
         /* A needle may stay one where the collapse makes it no thinner. */
+        if (star->needles) continue;
         shape = shape_of(n, star->p, a, b);
         if (shape < NEEDLE_SHAPE * NEEDLE_SHAPE && !(shape > shape_of(before, apex, a, b)))
             return BVXI_STAR_NEEDLE;

@@ -28,6 +28,7 @@ typedef struct bvxi_star {
     int32_t edge;
     uint32_t u, v;
     int32_t count;
+    int32_t needles; /* 1: new triangles may be needles */
     int32_t lenient; /* 1: what an old triangle crosses, a new one may */
     double p[3];
     uint32_t link[BVXI_STAR_MOST + 1]; /* the first one again at the end */

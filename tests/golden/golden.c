@@ -312,6 +312,7 @@ static void bare_cases(golden *g)
 #include "morph_cases.h"
 #include "volume_cases.h"
 #include "component_cases.h"
+#include "level_cases.h"
 
 static const struct {
     const char *file;
@@ -336,6 +337,7 @@ static const struct {
     {"volumes", volume_cases},
     {"components", component_cases},
     {"clouds", cloud_cases},
+    {"levels", level_cases},
 };
 
 /* ---- Files ---- */

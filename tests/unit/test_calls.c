@@ -294,6 +294,24 @@ static bvx_status repair(const world *w)
     TAKE_RESERVED(o.reserved[0]);
     return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
 }
+static bvx_status mesh_simplify(const world *w)
+{
+    TAKE_OPTIONS(simplify, o);
+    TAKE_RESERVED(o.reserved[0]);
+    return bvx_mesh_simplify(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
+}
+static bvx_status plan_levels(const world *w)
+{
+    TAKE_OPTIONS(levels, o);
+    TAKE_RESERVED(o.reserved[0]);
+    return bvx_plan_levels(w->ctx, w->mesh, &o, 1, (int32_t *)w->out);
+}
+static bvx_status build_levels(const world *w)
+{
+    TAKE_OPTIONS(levels, o);
+    TAKE_RESERVED(o.reserved[3]);
+    return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
+}
 static bvx_status write_mesh(const world *w) { return bvx_write_mesh(w->ctx, w->body, BVX_FORMAT_PLY, (bvx_buffer *)w->out); }
 static bvx_status write_mesh_with(const world *w)
 {
@@ -389,6 +407,8 @@ static const call calls[] = {
     CALL(extract_field_surface, FIELD | OPTIONS | RESERVED, TO_MESH), CALL(boolean, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(build_lods, GRID | OPTIONS | RESERVED, TO_MESH), CALL(build_sections, SECTIONS | OPTIONS, TO_MESH),
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS), CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(mesh_simplify, MESH | OPTIONS | RESERVED, TO_MESH), CALL(plan_levels, MESH | OPTIONS | RESERVED, PLAIN),
+    CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(write_mesh, BODY, TO_BUFFER), CALL(write_mesh_with, BODY | OPTIONS | RESERVED, TO_BUFFER),
     CALL(write_levels, BODY, TO_BUFFER), CALL(write_grid, GRID, TO_BUFFER), CALL(write_octree, TREE, TO_BUFFER),
     CALL(write_field, FIELD, TO_BUFFER), CALL(write_lattice, GRID, TO_BUFFER), CALL(write_head, LATTICE, TO_BUFFER),
@@ -765,7 +785,15 @@ static void test_choices_out_of_range(void)
         BAD_SURFACE(repair, repair), BAD(repair, repair, sign, 99), BAD(repair, repair, sign, -1), BAD(repair, repair, sign, BVX_SIGN_NORMAL),
         BAD(repair, repair, interpolation, 99), BAD_SWITCH(repair, repair, sharp), BAD_SWITCH(repair, repair, measure),
         BAD(repair, repair, shell, 0.5), BAD(repair, repair, shell, (double)NAN), BAD(repair, repair, shell, 1e7),
-        BAD(read_sections, read_sections, close_gap, -1), BAD(read_sections, read_sections, close_gap, (double)NAN),
+        BAD(mesh_simplify, simplify, error_kind, 2), BAD(mesh_simplify, simplify, error_kind, -1), BAD(mesh_simplify, simplify, position_type, 9),
+        BAD(mesh_simplify, simplify, even, -1), BAD(mesh_simplify, simplify, even, 1.5), BAD(mesh_simplify, simplify, even, (double)NAN),
+        BAD_SWITCH(mesh_simplify, simplify, strict), BAD(mesh_simplify, simplify, reserved0, 1), BAD(plan_levels, levels, source, 9),
+        BAD(plan_levels, levels, resolution, -1), BAD(build_levels, levels, error_kind, 2), BAD(build_levels, levels, position_type, 9),
+        BAD(build_levels, levels, even, -1), BAD(build_levels, levels, even, (double)NAN), BAD_SWITCH(build_levels, levels, strict),
+        BAD(build_levels, levels, source, 9), BAD(build_levels, levels, source, -1), BAD(build_levels, levels, resolution, -1),
+        BAD(build_levels, levels, resolution, (1 << 24) + 1), BAD(build_levels, levels, sharp, 2), BAD(build_levels, levels, sharp, -2),
+        BAD_SWITCH(build_levels, levels, outer), BAD(build_levels, levels, sign, 99), BAD(build_levels, levels, sign, -1),
+        BAD(build_levels, levels, sign, BVX_SIGN_NORMAL), BAD(read_sections, read_sections, close_gap, -1), BAD(read_sections, read_sections, close_gap, (double)NAN),
         BAD(render_mesh, render, samples, -1), BAD(render_mesh, render, samples, 99), BAD_SWITCH(render_mesh, render, smooth),
         BAD_SWITCH(render_mesh, render, wireframe), BAD(render_grid, render, samples, 99),
     };

@@ -452,7 +452,7 @@ static void test_the_plan(void)
         TEST_ASSERT_TRUE(now >= before);
         before = now;
     }
-    TEST_ASSERT_EQUAL_INT32(512, before);
+    TEST_ASSERT_EQUAL_INT32(320, before);
     {
         uint64_t const up[3] = {10, 50000, 3}, one = 50000;
         int32_t chain;

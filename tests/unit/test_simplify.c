@@ -292,6 +292,28 @@ static void test_order_and_types_of_the_input_do_not_matter(void)
         }
 }
 
+/* Not so yet: distances are of points that are drawn triangle by triangle. */
+static void test_order_does_not_matter_to_levels_by_error(void)
+{
+    bvx_simplify_options o = defaults();
+    int differ = 0;
+    o.measure_samples = 100;
+    for (int n = 1; n < 12; n++) {
+        double const error = 0.02 * n;
+        uint64_t hash[2] = {0, 0};
+        make_shape(shape_named("dented torus"));
+        o.target_errors = &error;
+        for (int way = 0; way < 2; way++) {
+            simplify(&o, 1);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &level[0], &hash[way]));
+            maker_shuffle_triangles(&mesh, &seed);
+        }
+        differ += hash[0] != hash[1];
+    }
+    snprintf(where, sizeof where, "%d of 11 levels by error differ by the order of the triangles", differ);
+    if (differ != 0) TEST_IGNORE_MESSAGE(where);
+}
+
 static void test_threads_do_not_matter(void)
 {
     static const uint64_t targets[3] = {2000, 500, 100};
@@ -696,13 +718,13 @@ static void test_memory_is_as_the_header_says(void)
 {
     double fixed, bytes = bytes_a_triangle(0, 0, &fixed);
     snprintf(where, sizeof where, "%.1f bytes a triangle and %.0f", bytes, fixed);
-    TEST_ASSERT_TRUE_MESSAGE(bytes > 120 && bytes <= 150 && fixed <= 300000, where);
+    TEST_ASSERT_TRUE_MESSAGE(bytes > 120 && bytes <= 170 && fixed <= 300000, where);
     bytes = bytes_a_triangle(0, 1, &fixed);
     snprintf(where, sizeof where, "%.1f bytes a triangle and %.0f with reports", bytes, fixed);
-    TEST_ASSERT_TRUE_MESSAGE(bytes <= 150 && fixed <= 300000, where);
+    TEST_ASSERT_TRUE_MESSAGE(bytes <= 170 && fixed <= 300000, where);
     bytes = bytes_a_triangle(1, 0, &fixed);
     snprintf(where, sizeof where, "%.1f bytes a triangle and %.0f without indices", bytes, fixed);
-    TEST_ASSERT_TRUE_MESSAGE(bytes > 150 && bytes <= 350 && fixed <= 300000, where);
+    TEST_ASSERT_TRUE_MESSAGE(bytes > 170 && bytes <= 370 && fixed <= 300000, where);
 }
 
 int main(void)
@@ -718,6 +740,7 @@ int main(void)
     RUN_TEST(test_a_thin_plate_keeps_its_corners);
     RUN_TEST(test_planes_keep_their_corners_by_default);
     RUN_TEST(test_order_and_types_of_the_input_do_not_matter);
+    RUN_TEST(test_order_does_not_matter_to_levels_by_error);
     RUN_TEST(test_threads_do_not_matter);
     RUN_TEST(test_far_from_the_origin);
     RUN_TEST(test_neither_target_halves);

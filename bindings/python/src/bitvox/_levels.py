@@ -172,7 +172,7 @@ def simplify(
             part of the diagonal of the mesh's bounds as ``"0.1%"``.
         error_kind: of ``error``: "mean" (the default) or "max" distance, measured both ways.
         count: so many levels, each with half of the triangles of the one before. With none of these: one level of half.
-        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 0.000001.
+        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
         strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
         samples: measure the distances between mesh and level from so many points a side, for the report. Default:
             20000 with ``error``, else 0: they are not.
@@ -313,7 +313,7 @@ def lod(
         outer_hull: measured: inner shells and cavities go.
         shell: measured: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
         least_part, least_cavity: measured: smaller pieces are dropped, smaller cavities filled [voxels].
-        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 0.000001.
+        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
         strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
         samples: measure the distances between source and level from so many points a side, for the reports. Default:
             20000 with ``error``, else 0: they are not.

@@ -1,0 +1,87 @@
+/* fuzz_levels.c - levels of detail of any mesh: every level is certified and crosses nothing, the same for many threads; the plan stays
+ * within its bounds; what the report says of the input is so. */
+#include "fuzz_input.h"
+
+static void fuzz_take_options(fuzz_input *in, bvx_levels_options *o, uint64_t *targets, double *errors)
+{
+    bvx_levels_options_init(o, sizeof *o);
+    for (int i = 0; i < 2; i++) {
+        targets[i] = (uint64_t)fuzz_range(in, 1, 2000);
+        errors[i] = fuzz_range(in, 1, 64) / 16.0;
+    }
+    if (fuzz_range(in, 0, 3) != 0) o->target_triangles = targets;
+    else if (fuzz_range(in, 0, 1) != 0) o->target_errors = errors;
+    o->error_kind = fuzz_range(in, 0, 1);
+    o->measure_samples = o->target_errors != NULL ? 50 : 0;
+    o->position_type = fuzz_range(in, 0, BVX_F64);
+    o->sharp = fuzz_range(in, -1, 1);
+    if (fuzz_range(in, 0, 7) == 0) {
+        o->source = BVX_LEVELS_MESH;
+        return;
+    }
+    o->resolution = fuzz_range(in, 2, 24);
+    o->outer = fuzz_range(in, 0, 3) == 0;
+    o->shell = fuzz_range(in, 0, 3) == 0 ? 0 : fuzz_range(in, 6, 16) / 4.0;
+    if (!o->outer) o->least_cavity = (uint64_t)fuzz_range(in, 0, 9);
+    o->least_part = (uint64_t)fuzz_range(in, 0, 9);
+}
+
+static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_level_report *r, int whole)
+{
+    bvx_mesh_view view;
+    bvx_certificate c;
+    uint64_t crossings = 0;
+    bvx_mesh_view_of(level, &view);
+    fuzz_must(ctx, bvx_mesh_check(ctx, &view, 0, &c));
+    fuzz_require(c.closed && c.edge_manifold && c.oriented && c.unused_vertices == 0, "a level that is not certified");
+    fuzz_require(memcmp(&c, &r->certificate, sizeof c) == 0, "a report of another level");
+    fuzz_must(ctx, bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
+    fuzz_require(crossings == r->crossings, "other crossings than reported");
+    if (!whole) return;
+    fuzz_require(c.vertex_manifold && c.degenerate + c.duplicates + c.collapsed == 0, "a level that is not certified");
+    fuzz_require(crossings == 0, "a level that crosses itself");
+}
+
+static void fuzz_build(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
+{
+    uint64_t targets[2];
+    double errors[2];
+    bvx_levels_options o;
+    bvx_levels_report report, again;
+    bvx_level_report reports[2];
+    bvx_mesh level[2] = {{0}}, twin[2] = {{0}};
+    bvx_status status;
+    int32_t planned = 0;
+    fuzz_take_options(in, &o, targets, errors);
+    if (fuzz_good(ctx, bvx_plan_levels(ctx, view, &o, 2, &planned))) fuzz_require(planned >= 1 && planned <= 512, "a plan out of its bounds");
+    o.report = &report;
+    o.reports = reports;
+    status = bvx_build_levels(ctx, view, &o, 2, level);
+    if (status != BVX_OK) fuzz_require(level[0].positions == NULL && level[1].positions == NULL, "a level behind an error");
+    if (status == BVX_ERR_ARGUMENT) {
+        fuzz_require(o.source == BVX_LEVELS_MESH, bvx_last_message(ctx));
+        return;
+    }
+    if (!fuzz_good(ctx, status)) return;
+    fuzz_require(report.source == (o.source == BVX_LEVELS_MESH ? BVX_LEVELS_MESH : BVX_LEVELS_MEASURED), "another source");
+    for (int i = 0; i < 2; i++) fuzz_level(ctx, &level[i], &reports[i], report.source == BVX_LEVELS_MEASURED);
+    o.report = &again;
+    o.reports = NULL;
+    fuzz_must(other, bvx_build_levels(other, view, &o, 2, twin));
+    fuzz_require(memcmp(&report, &again, sizeof report) == 0, "another report with more threads");
+    for (int i = 0; i < 2; i++) {
+        fuzz_meshes_equal(ctx, &level[i], &twin[i], "another level with more threads");
+        bvx_mesh_free(other, &twin[i]);
+        bvx_mesh_free(ctx, &level[i]);
+    }
+}
+
+static void fuzz_one(fuzz_input *in)
+{
+    static fuzz_mesh m;
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    fuzz_take_mesh(in, &m);
+    if (m.triangles > 0) fuzz_build(ctx, other, in, &m.view);
+    fuzz_end(ctx);
+    fuzz_end(other);
+}

@@ -1,0 +1,141 @@
+/* fuzz_simplify.c - closed meshes to fewer triangles: surfaces of random bits, their vertices moved, and whatever closed parts a random mesh
+ * has. Each level is certified, with the handles and pieces of the mesh, crosses nothing where the mesh did not, and is the same for many
+ * threads and any order of the triangles. */
+#include "fuzz_input.h"
+
+enum { SIDE = 6 };
+
+/* The surface of random bits: pinched, thin, with handles and cavities. */
+static void fuzz_take_surface(bvx_context *ctx, fuzz_input *in, bvx_mesh *surface)
+{
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    int32_t dims[3];
+    bvx_lattice lattice;
+    bvx_grid bits = {0};
+    bvx_extract_options o;
+    int32_t const often = fuzz_range(in, 1, 4);
+    for (int a = 0; a < 3; a++) dims[a] = fuzz_range(in, 1, SIDE);
+    fuzz_must(ctx, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
+    fuzz_must(ctx, bvx_grid_create(ctx, &lattice, NULL, &bits));
+    for (int32_t z = 0; z < dims[2]; z++)
+        for (int32_t y = 0; y < dims[1]; y++)
+            for (int32_t x = 0; x < dims[0]; x++) bvx_grid_set(&bits, x, y, z, fuzz_range(in, 0, often) == 0);
+    bvx_extract_options_init(&o, sizeof o);
+    o.position_type = BVX_F64;
+    o.face_rule = fuzz_range(in, 0, 1);
+    fuzz_must(ctx, bvx_extract_surface(ctx, &bits, &o, surface));
+    bvx_grid_free(ctx, &bits);
+
+    /* Moved far, triangles cross; moved by little, or to where others are, they hardly do. */
+    for (int n = fuzz_range(in, 0, 7) * 8; n > 0 && surface->vertex_count > 0; n--) {
+        double *const p = (double *)surface->positions + 3 * ((uint64_t)fuzz_range(in, 0, 65535) % surface->vertex_count);
+        p[fuzz_range(in, 0, 2)] += fuzz_range(in, -64, 64) / (n % 5 == 0 ? 16.0 : 256.0);
+    }
+}
+
+static uint64_t fuzz_crossings_of(bvx_context *ctx, const bvx_mesh_view *view)
+{
+    uint64_t count = 0;
+    fuzz_must(ctx, bvx_mesh_crossings(ctx, view, &count, NULL, 0));
+    return count;
+}
+
+/* f32 may join or cross what is a hair apart, so only doubles keep it all. */
+static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_certificate *before, uint64_t crossings, int32_t type)
+{
+    bvx_mesh_view view;
+    bvx_certificate c;
+    bvx_mesh_view_of(level, &view);
+    fuzz_must(ctx, bvx_mesh_check(ctx, &view, 0, &c));
+    fuzz_require(c.closed && c.edge_manifold && c.oriented && c.unused_vertices == 0, "a level that is not certified");
+    if (type == BVX_F32) return;
+    fuzz_require(c.euler == before->euler && c.components == before->components && c.vertex_manifold, "a level of other handles or pieces");
+    if (crossings == 0) fuzz_require(fuzz_crossings_of(ctx, &view) == 0, "a level that crosses itself");
+}
+
+/* Triangles backwards, each begun at another corner. */
+static void fuzz_turn(bvx_mesh_view *view, uint32_t *to)
+{
+    const uint32_t *const from = view->indices;
+    for (uint64_t t = 0; t < view->triangle_count; t++)
+        for (uint64_t k = 0; k < 3; k++) to[3 * (view->triangle_count - 1 - t) + k] = from[3 * t + (k + t) % 3];
+    view->indices = to;
+}
+
+static int fuzz_two_at_one_place(const bvx_certificate *c)
+{
+    return c->degenerate + c->duplicates + c->collapsed != 0;
+}
+
+static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
+{
+    uint64_t targets[2];
+    double errors[2];
+    bvx_mesh level[2] = {{0}}, twin[2] = {{0}};
+    bvx_level_report reports[2];
+    bvx_mesh_view turned = *view;
+    bvx_simplify_options o;
+    bvx_certificate before;
+    bvx_status status;
+    uint64_t crossings;
+    uint32_t *corners;
+    fuzz_must(ctx, bvx_mesh_check(ctx, view, 1, &before));
+    crossings = fuzz_crossings_of(ctx, view);
+    bvx_simplify_options_init(&o, sizeof o);
+    for (int i = 0; i < 2; i++) {
+        targets[i] = (uint64_t)fuzz_range(in, 1, 600);
+        errors[i] = fuzz_range(in, 1, 64) / 64.0;
+    }
+    switch (fuzz_range(in, 0, 3)) {
+    case 0: break;
+    case 1: o.target_errors = errors; break;
+    default: o.target_triangles = targets;
+    }
+    o.error_kind = fuzz_range(in, 0, 1);
+    o.position_type = fuzz_range(in, BVX_F32, BVX_F64);
+    o.even = fuzz_range(in, 0, 2) / 2.0 * fuzz_range(in, 0, 255) / 255.0;
+    o.measure_samples = (uint64_t)fuzz_range(in, 0, 1) * 20;
+    if (o.target_errors != NULL) o.measure_samples = 50;
+    o.reports = reports;
+    status = bvx_mesh_simplify(ctx, view, &o, 2, level);
+    if (status == BVX_ERR_ARGUMENT) {
+        fuzz_require(!before.closed || !before.edge_manifold || !before.vertex_manifold || !before.oriented || fuzz_two_at_one_place(&before),
+                     "a sound mesh that is refused");
+        fuzz_require(level[0].positions == NULL && level[1].positions == NULL, "a level behind an error");
+        return;
+    }
+    if (!fuzz_good(ctx, status)) return;
+    for (int i = 0; i < 2; i++) fuzz_level(ctx, &level[i], &before, crossings, o.position_type);
+
+    corners = malloc((size_t)view->triangle_count * 12);
+    fuzz_require(corners != NULL, "no memory");
+    /* Distances are of points that are drawn triangle by triangle, so that levels by error follow the order. */
+    if (o.target_errors == NULL && !fuzz_two_at_one_place(&before)) fuzz_turn(&turned, corners);
+    o.reports = NULL;
+    fuzz_must(other, bvx_mesh_simplify(other, &turned, &o, 2, twin));
+    for (int i = 0; i < 2; i++) {
+        fuzz_meshes_equal(ctx, &level[i], &twin[i], "another level with more threads or for another order");
+        bvx_mesh_free(other, &twin[i]);
+        bvx_mesh_free(ctx, &level[i]);
+    }
+    free(corners);
+}
+
+static void fuzz_one(fuzz_input *in)
+{
+    static fuzz_mesh m;
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    bvx_mesh surface = {0};
+    if (fuzz_range(in, 0, 3) != 0) {
+        bvx_mesh_view view;
+        fuzz_take_surface(ctx, in, &surface);
+        bvx_mesh_view_of(&surface, &view);
+        if (surface.triangle_count > 0) fuzz_simplify(ctx, other, in, &view);
+    } else {
+        fuzz_take_mesh(in, &m);
+        if (m.triangles > 0) fuzz_simplify(ctx, other, in, &m.view);
+    }
+    bvx_mesh_free(ctx, &surface);
+    fuzz_end(ctx);
+    fuzz_end(other);
+}
