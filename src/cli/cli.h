@@ -515,7 +515,7 @@ int cli_open_levels(cli_run *run, int count, char **path);
 /* Write all levels to these outputs and keep them. */
 int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path);
 
-/* ---- reduce.c: --triangles and --error of commands that make one mesh ---- */
+/* ---- reduce_mesh.c: --triangles and --error of commands that make one mesh ---- */
 
 typedef struct cli_reduction {
     int done;               /* fewer triangles were asked for and made */

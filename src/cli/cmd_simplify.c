@@ -8,11 +8,16 @@
 /* What is wrong with a mesh, in a few words and the number that says how much. */
 static void fault_text(const bvx_certificate *c, char *text, size_t room)
 {
-    if (c->boundary_edges != 0) snprintf(text, room, "not closed (%" PRIu64 " edges with one triangle)", c->boundary_edges);
-    else if (c->nonmanifold_edges != 0) snprintf(text, room, "not manifold (%" PRIu64 " edges with three triangles or more)", c->nonmanifold_edges);
-    else if (c->flipped_edges != 0) snprintf(text, room, "not oriented (%" PRIu64 " edges between flipped triangles)", c->flipped_edges);
+    if (c->boundary_edges != 0)
+        snprintf(text, room, "not closed (%" PRIu64 " edges with one triangle)", c->boundary_edges);
+    else if (c->nonmanifold_edges != 0)
+        snprintf(text, room, "not manifold (%" PRIu64 " edges with three triangles or more)",
+                 c->nonmanifold_edges);
+    else if (c->flipped_edges != 0)
+        snprintf(text, room, "not oriented (%" PRIu64 " edges between flipped triangles)", c->flipped_edges);
     else if (c->nonmanifold_vertices != 0)
-        snprintf(text, room, "not manifold (%" PRIu64 " vertices where parts touch)", c->nonmanifold_vertices);
+        snprintf(text, room, "not manifold (%" PRIu64 " vertices where parts touch)",
+                 c->nonmanifold_vertices);
     else snprintf(text, room, "not closed");
 }
 
@@ -29,7 +34,10 @@ static int check_input(cli_run *run, cli_collapse_run *c)
     if (cli_is_sound(&c->before)) return CLI_DONE;
 
     fault_text(&c->before, fault, sizeof fault);
-    return cli_fail(run, "%s: the mesh is %s; 'bitvox lod' makes levels of any mesh, 'bitvox repair' a mesh that simplify takes", in, fault);
+    return cli_fail(run,
+                    "%s: the mesh is %s; 'bitvox lod' makes levels of any mesh, 'bitvox repair' a mesh that "
+                    "simplify takes",
+                    in, fault);
 }
 
 static int simplify_input(cli_run *run, cli_collapse_run *c)
@@ -60,8 +68,8 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
 static void say_head(cli_run *run, const cli_collapse_run *c)
 {
     cli_say_input(run, c->input.triangle_count, &c->before, c->diagonal);
-    cli_say(run, "%" PRIu64 " piece%s, volume %.6g; edges collapsed in %.1f ms\n\n", c->before.components, c->before.components == 1 ? "" : "s",
-            c->before.volume, c->seconds * 1e3);
+    cli_say(run, "%" PRIu64 " piece%s, volume %.6g; edges collapsed in %.1f ms\n\n", c->before.components,
+            c->before.components == 1 ? "" : "s", c->before.volume, c->seconds * 1e3);
 }
 
 static int run_simplify(cli_run *run)
@@ -70,7 +78,8 @@ static int run_simplify(cli_run *run)
     int kind, status = cli_input_kind(run, run->options.input[0], &kind);
 
     if (status == CLI_DONE && kind != CLI_MESH)
-        status = cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it", cli_input_name(run->options.input[0]));
+        status = cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",
+                           cli_input_name(run->options.input[0]));
     c.usual_count = 1;
     if (status == CLI_DONE) status = cli_check_collapse(run, &c);
     if (status == CLI_DONE) status = cli_open_collapse(run, &c);
@@ -82,11 +91,19 @@ static int run_simplify(cli_run *run)
 }
 
 const cli_command cli_simplify = {
-    "simplify", CLI_SIMPLIFY, 1, 1, "IN -o OUT [options]", "fewer triangles for a closed, manifold mesh, by count or by error",
-    "Reads a mesh (.stl .obj .ply .off, also with .gz) that is closed, manifold and oriented, collapses the\n"
-    "edges that cost least, and writes a mesh of half of its triangles, of --triangles, or as few as --error\n"
-    "allows (.ply .obj .stl .off .glb). No collapse joins what is apart, turns a triangle or makes two cross;\n"
-    "a target below what that allows gives the smallest mesh that keeps it, marked NOT MET. Several targets\n"
-    "make a chain: %d in the name becomes 0, 1, 2 ..., or one .glb holds all. For any other mesh take lod.",
-    "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
-    "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%", run_simplify};
+    .name = "simplify",
+    .bit = CLI_SIMPLIFY,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT [options]",
+    .does = "fewer triangles for a closed, manifold mesh, by count or by error",
+    .details = "Reads a mesh (.stl .obj .ply .off, also with .gz) that is closed, manifold and oriented, collapses\n"
+               "the edges that cost least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
+               "as --error allows (.ply .obj .stl .off .glb). No collapse joins what is apart, turns a triangle or\n"
+               "makes two cross; a target below what that allows gives the smallest mesh that keeps it, marked\n"
+               "NOT MET. Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one .glb holds all.\n"
+               "For any other mesh take lod.",
+    .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
+               "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",
+    .run = run_simplify,
+};

@@ -1,6 +1,7 @@
 /* collapse_run.c - a chain of levels that edges collapse to: targets by options, distances, warnings, files.
  *
- * The library makes the whole chain in one call, which is the stage "level 0"; distances are measured afterwards, one stage a level. */
+ * The library makes the whole chain in one call, which is the stage "level 0"; distances are measured
+ * afterwards, one stage a level. */
 #include "cli/collapse_run.h"
 
 #include <inttypes.h>
@@ -27,13 +28,16 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c)
     int const ways = (o->triangles.count != 0) + (o->errors.count != 0) + (o->count != 0);
 
     if (ways > 1)
-        return cli_usage(run, "%s and %s exclude each other", o->triangles.count != 0 ? "--triangles" : "--error",
+        return cli_usage(run, "%s and %s exclude each other",
+                         o->triangles.count != 0 ? "--triangles" : "--error",
                          o->triangles.count != 0 && o->errors.count != 0 ? "--error" : "--count");
-    if (cli_given(run, "--error-kind") && o->errors.count == 0) return cli_usage(run, "--error-kind needs --error");
+    if (cli_given(run, "--error-kind") && o->errors.count == 0)
+        return cli_usage(run, "--error-kind needs --error");
 
     c->by_error = o->errors.count != 0;
     c->count = ways == 0 ? c->usual_count : o->triangles.count + o->errors.count + o->count;
-    if (cli_check_mesh_name(run, o->output) != CLI_DONE || cli_check_carry_name(run) != CLI_DONE || cli_check_normals(run) != CLI_DONE)
+    if (cli_check_mesh_name(run, o->output) != CLI_DONE || cli_check_carry_name(run) != CLI_DONE ||
+        cli_check_normals(run) != CLI_DONE)
         return CLI_USAGE;
     return cli_check_level_names(run, c->count);
 }
@@ -56,7 +60,8 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
     for (int i = 0; i < c->count; i++) {
         uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
 
-        if (c->by_error) c->error[i] = o->errors.value[i] * (o->errors.percent[i] ? c->diagonal / 100.0 : 1.0);
+        if (c->by_error)
+            c->error[i] = o->errors.value[i] * (o->errors.percent[i] ? c->diagonal / 100.0 : 1.0);
         else if (o->triangles.count != 0) c->target[i] = (uint64_t)o->triangles.value[i];
         else c->target[i] = halved > LEAST_TRIANGLES ? halved : LEAST_TRIANGLES;
     }
@@ -76,7 +81,8 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     cli_mesh_box(&c->input, &box);
     c->diagonal = cli_diagonal(box.low, box.high);
     if (c->by_error && !(c->diagonal > 0.0 && c->diagonal - c->diagonal == 0.0))
-        return cli_fail(run, "%s: a diagonal of %g leaves nothing to measure --error by", cli_input_name(run->options.input[0]), c->diagonal);
+        return cli_fail(run, "%s: a diagonal of %g leaves nothing to measure --error by",
+                        cli_input_name(run->options.input[0]), c->diagonal);
 
     if (!known) c->count = usual_count(c->input.triangle_count);
     choose_targets(run, c);
@@ -90,7 +96,8 @@ static uint64_t wanted_samples(const cli_run *run)
     return run->options.samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options.samples;
 }
 
-/* A level by its error is measured while it is looked for, so that the distances told are those that decided. */
+/* A level by its error is measured while it is looked for, so that the distances
+ * told are those that decided. */
 uint64_t cli_collapse_samples(const cli_run *run, const cli_collapse_run *c)
 {
     return c->by_error ? wanted_samples(run) : 0;
@@ -168,29 +175,38 @@ static double volume_change(double volume, double from)
 static void warn_of_volume(cli_run *run, const char *what, double change, const char *why)
 {
     if (fabs(change) > VOLUME_CHANGE)
-        cli_warn(run, "%s has %.3g %% %s volume than the input%s", what, 100.0 * fabs(change), change < 0.0 ? "less" : "more", why);
+        cli_warn(run, "%s has %.3g %% %s volume than the input%s", what, 100.0 * fabs(change),
+                 change < 0.0 ? "less" : "more", why);
 }
 
-/* What a lattice too coarse for the input does to it. Where the input is no body its parts may join, but not become more, and its
- * volume means nothing. */
+/* What a lattice too coarse for the input does to it. Where the input is no body its parts may join, but not
+ * become more, and its volume means nothing. */
 static void warn_of_surface(cli_run *run, const cli_collapse_run *c)
 {
     const bvx_certificate *const in = &c->before, *const s = &c->surface;
 
     if (c->crumbs != 0)
-        cli_warn(run, "%" PRIu64 " crumb%s of the measured surface %s dropped: what is thinner than a voxel broke, and a larger --resolution keeps "
-                 "more of it", c->crumbs, c->crumbs == 1 ? "" : "s", c->crumbs == 1 ? "was" : "were");
+        cli_warn(run,
+                 "%" PRIu64 " crumb%s of the measured surface %s dropped: what is thinner than a voxel broke, "
+                 "and a larger --resolution keeps more of it",
+                 c->crumbs, c->crumbs == 1 ? "" : "s", c->crumbs == 1 ? "was" : "were");
     if (s->components > in->components)
-        cli_warn(run, "the measured surface has %" PRIu64 " pieces, the input %" PRIu64 ": what is thinner than a voxel broke, and a larger --resolution "
-                 "keeps more of it", s->components, in->components);
+        cli_warn(run,
+                 "the measured surface has %" PRIu64 " pieces, the input %" PRIu64
+                 ": what is thinner than a voxel broke, and a larger --resolution keeps more of it",
+                 s->components, in->components);
     else if (cli_is_sound(in) && s->components < in->components)
-        cli_warn(run, "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64 ": parts that touch became one, and what is thinner than a "
-                 "voxel may be lost", s->components, s->components == 1 ? "" : "s", in->components);
+        cli_warn(run,
+                 "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64
+                 ": parts that touch became one, and what is thinner than a voxel may be lost",
+                 s->components, s->components == 1 ? "" : "s", in->components);
     if (in->closed && in->oriented) {
         double const change = volume_change(s->volume, in->volume);
 
-        warn_of_volume(run, "the measured surface", change, change < 0.0 ? ": parts that overlap count once in it, and what is thinner than a "
-                       "voxel may be lost" : ": sheets became shells, or cavities are filled");
+        warn_of_volume(run, "the measured surface", change,
+                       change < 0.0 ? ": parts that overlap count once in it, and what is thinner than a "
+                                      "voxel may be lost"
+                                    : ": sheets became shells, or cavities are filled");
     }
 }
 
@@ -203,22 +219,31 @@ static void warn_of_level(cli_run *run, const cli_collapse_run *c, int i)
 
     snprintf(what, sizeof what, "level %d", i);
     if (l->certificate.components != s->components)
-        cli_warn(run, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what, l->certificate.components,
-                 l->certificate.components == 1 ? "" : "s", s->components);
+        cli_warn(run, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,
+                 l->certificate.components, l->certificate.components == 1 ? "" : "s", s->components);
     if (in->closed && in->oriented && fabs(of_surface) > VOLUME_CHANGE)
         warn_of_volume(run, what, volume_change(l->certificate.volume, in->volume), "");
 
     if (l->crossings != 0)
-        cli_warn(run, "%" PRIu64 " pairs of triangles of %s cross, since the mesh crosses itself; 'bitvox lod' makes levels that do not", l->crossings, what);
+        cli_warn(run,
+                 "%" PRIu64 " pairs of triangles of %s cross, since the mesh crosses itself; 'bitvox lod' "
+                 "makes levels that do not",
+                 l->crossings, what);
     if (l->met) return;
-    if (c->by_error) cli_warn(run, "%s cannot keep its target: what it is made from lies further than %.4g from the input", what, l->target_error);
-    else cli_warn(run, "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64 " are the fewest that collapsing edges leaves sound", what,
-                  l->target, l->triangles);
+    if (c->by_error)
+        cli_warn(run, "%s cannot keep its target: what it is made from lies further than %.4g from the input",
+                 what, l->target_error);
+    else
+        cli_warn(run,
+                 "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64
+                 " are the fewest that collapsing edges leaves sound",
+                 what, l->target, l->triangles);
 }
 
 /* ---- The end ---- */
 
-int cli_finish_collapse(cli_run *run, cli_collapse_run *c, void (*head)(cli_run *run, const cli_collapse_run *c))
+int cli_finish_collapse(cli_run *run, cli_collapse_run *c,
+                        void (*head)(cli_run *run, const cli_collapse_run *c))
 {
     int status = CLI_DONE;
 

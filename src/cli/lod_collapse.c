@@ -1,4 +1,5 @@
-/* lod_collapse.c - bitvox lod, --method collapse: levels of any mesh by bvx_build_levels, and why they were made from what. */
+/* lod_collapse.c - bitvox lod, --method collapse: levels of any mesh by bvx_build_levels, and why they were
+ * made from what. */
 #include "cli/lod_collapse.h"
 #include "cli/collapse_run.h"
 
@@ -11,7 +12,8 @@ typedef struct lod_collapse {
 } lod_collapse;
 
 /* Options that ask for a measured surface, as the library says. */
-static const char *const asks_for_measured[] = {"--resolution", "--sign", "--least-part", "--least-cavity", "--outer-hull", NULL};
+static const char *const asks_for_measured[] = {"--resolution",   "--sign",       "--least-part",
+                                                "--least-cavity", "--outer-hull", NULL};
 
 static const char *given_of(const cli_run *run, const char *const *names)
 {
@@ -24,21 +26,25 @@ static const char *given_of(const cli_run *run, const char *const *names)
 
 static int check_measured_options(cli_run *run)
 {
-    static const char *const of_volumes[] = {"--level", "--range", "--label", "--below", "--shape", "--sample-type", "--big-endian", "--skip",
-                                             "--voxel-size", NULL};
-    static const char *const of_measured[] = {"--resolution", "--sign", "--least-part", "--least-cavity", "--outer-hull", "--sharp",
-                                              "--no-sharp", "--shell", NULL};
+    static const char *const of_volumes[] = {
+        "--level",       "--range",      "--label", "--below",      "--shape",
+        "--sample-type", "--big-endian", "--skip",  "--voxel-size", NULL};
+    static const char *const of_measured[] = {"--resolution",   "--sign",       "--least-part",
+                                              "--least-cavity", "--outer-hull", "--sharp",
+                                              "--no-sharp",     "--shell",      NULL};
     const cli_options *const o = &run->options;
     const char *const volume = given_of(run, of_volumes), *const measured = given_of(run, of_measured);
 
-    if (volume != NULL) return cli_usage(run, "%s is for volumes; %s is a mesh", volume, cli_input_name(o->input[0]));
+    if (volume != NULL)
+        return cli_usage(run, "%s is for volumes; %s is a mesh", volume, cli_input_name(o->input[0]));
     if (o->source == BVX_LEVELS_MESH && measured != NULL)
         return cli_usage(run, "%s is for a measured surface, and --source mesh measures none", measured);
     if (o->sharp && o->no_sharp) return cli_usage(run, "--sharp and --no-sharp exclude each other");
     if (o->outer_hull && cli_given(run, "--least-cavity"))
         return cli_usage(run, "--outer-hull fills every cavity; --least-cavity has no use beside it");
     if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
-        return cli_usage(run, "--resolution %" PRId64 " is more than the %d that a surface is measured with", o->resolution.value[0], 1 << 24);
+        return cli_usage(run, "--resolution %" PRId64 " is more than the %d that a surface is measured with",
+                         o->resolution.value[0], 1 << 24);
     return CLI_DONE;
 }
 
@@ -120,22 +126,32 @@ static void say_lod_head(cli_run *run, const cli_collapse_run *c)
 
     cli_say_input(run, c->input.triangle_count, &c->before, c->diagonal);
     if (!is_measured(l)) {
-        cli_say(run, "levels from the mesh itself, %" PRIu64 " piece%s, in %.1f ms\n\n", c->before.components, c->before.components == 1 ? "" : "s",
-                c->seconds * 1e3);
+        cli_say(run, "levels from the mesh itself, %" PRIu64 " piece%s, in %.1f ms\n\n", c->before.components,
+                c->before.components == 1 ? "" : "s", c->seconds * 1e3);
         return;
     }
 
-    cli_say(run, "levels from its measured surface, %s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, inside by %s; %" PRIu64 " triangles, %" PRIu64
-            " piece%s, in %.1f ms\n", reason_of(run, l), b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
-            c->surface.components, c->surface.components == 1 ? "" : "s", c->seconds * 1e3);
-    if (r->holes != 0) cli_say(run, "holes closed: %" PRIu64 ", the longest %.3g around\n", r->holes, r->longest_hole);
-    if (r->shelled) cli_say(run, "made into shells: %" PRIu64 " triangles that enclose nothing\n", r->shelled_triangles);
-    if (l->report.crossings != 0) cli_say(run, "crossings: %" PRIu64 " pairs of the input's triangles\n", l->report.crossings);
-    if (c->crumbs != 0) cli_say(run, "dropped: %" PRIu64 " crumbs that no piece of the input stands for\n", c->crumbs);
+    cli_say(run, "levels from its measured surface, %s, in %.1f ms\n", reason_of(run, l), c->seconds * 1e3);
+    cli_say(run,
+            "measured: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, inside by %s; %" PRIu64
+            " triangles, %" PRIu64 " piece%s\n",
+            b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
+            c->surface.components, c->surface.components == 1 ? "" : "s");
+    if (r->holes != 0)
+        cli_say(run, "holes closed: %" PRIu64 ", the longest %.3g around\n", r->holes, r->longest_hole);
+    if (r->shelled)
+        cli_say(run, "made into shells: %" PRIu64 " triangles that enclose nothing\n", r->shelled_triangles);
+    if (l->report.crossings != 0)
+        cli_say(run, "crossings: %" PRIu64 " pairs of the input's triangles\n", l->report.crossings);
+    if (c->crumbs != 0)
+        cli_say(run, "dropped: %" PRIu64 " crumb%s that no piece of the input stands for\n", c->crumbs,
+                c->crumbs == 1 ? "" : "s");
     if (r->parts_dropped != 0)
-        cli_say(run, "dropped: %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped, r->parts_dropped + r->parts_kept);
+        cli_say(run, "dropped: %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
+                r->parts_dropped + r->parts_kept);
     if (r->cavities_dropped != 0)
-        cli_say(run, "filled: %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped, r->cavities_dropped + r->cavities_kept);
+        cli_say(run, "filled: %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
+                r->cavities_dropped + r->cavities_kept);
     cli_say(run, "\n");
 }
 
@@ -143,8 +159,8 @@ static void report_levels(cli_run *run, const lod_collapse *l)
 {
     cli_text *const t = &run->report.more;
 
-    cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"source\": \"%s\", \"reason\": \"%s\"", l->run.source,
-                 is_measured(l) ? reason_of(run, l) : "");
+    cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"source\": \"%s\", \"reason\": \"%s\"",
+                 l->run.source, is_measured(l) ? reason_of(run, l) : "");
     cli_json_count(t, "input_triangles", l->run.input.triangle_count);
     cli_json_count(t, "input_components", l->report.before.components);
     cli_json_value(t, "input_volume", l->report.before.volume);
@@ -164,7 +180,10 @@ static void warn_of_unused(cli_run *run, const lod_collapse *l)
     const char *const unused = given_of(run, of_measured);
 
     if (unused != NULL && !is_measured(l))
-        cli_warn(run, "%s had no use: the levels were made from the mesh itself; --source measured measures its surface", unused);
+        cli_warn(run,
+                 "%s had no use: the levels were made from the mesh itself; --source measured measures its "
+                 "surface",
+                 unused);
 }
 
 int cli_lod_by_collapse(cli_run *run)

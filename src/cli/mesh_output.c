@@ -21,19 +21,26 @@ char *cli_numbered_path(const char *pattern, int64_t number)
 int cli_check_mesh_name(cli_run *run, const char *path)
 {
     if (cli_kind_of_format(bvx_format_of_name(path)) == CLI_MESH && !cli_is_packed(path)) return CLI_DONE;
-    return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", path);
+    return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)",
+                     path);
 }
 
 int cli_check_level_names(cli_run *run, int count)
 {
     const char *const out = run->options.output, *const place = strstr(out, "%d");
 
-    if (place != NULL && strstr(place + 2, "%d") != NULL) return cli_usage(run, "%s: %%d stands twice in the name", out);
+    if (place != NULL && strstr(place + 2, "%d") != NULL)
+        return cli_usage(run, "%s: %%d stands twice in the name", out);
     if (place != NULL || count == 1 || bvx_format_of_name(out) == BVX_FORMAT_GLB) return CLI_DONE;
     if (count != 0)
-        return cli_usage(run, "%s: %d levels need %%d in the name, for the number of each; only .glb holds several", out, count);
-    return cli_usage(run, "%s: several levels need %%d in the name, for the number of each; only .glb holds several, and --count 1 or "
-                     "--triangles N makes one", out);
+        return cli_usage(
+            run, "%s: %d levels need %%d in the name, for the number of each; only .glb holds several", out,
+            count);
+    return cli_usage(run,
+                     "%s: several levels need %%d in the name, for the number of each; only .glb holds "
+                     "several, and --count 1 or "
+                     "--triangles N makes one",
+                     out);
 }
 
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
@@ -44,7 +51,8 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
     if (mesh->colours == NULL && mesh->uvs == NULL)
         return cli_usage(run, "%s has neither colours nor texture coordinates that --carry could carry", in);
     if (mesh->colours == NULL && bvx_format_of_name(out) == BVX_FORMAT_OFF)
-        return cli_usage(run, "%s: .off holds no texture coordinates, and %s has no colours for --carry", out, in);
+        return cli_usage(run, "%s: .off holds no texture coordinates, and %s has no colours for --carry", out,
+                         in);
     return CLI_DONE;
 }
 
@@ -53,7 +61,9 @@ int cli_check_carry_name(cli_run *run)
     const char *const out = run->options.output;
 
     if (!run->options.carry || bvx_format_of_name(out) != BVX_FORMAT_STL) return CLI_DONE;
-    return cli_usage(run, "%s: .stl holds neither colours nor texture coordinates; take .ply, .obj or .glb for --carry", out);
+    return cli_usage(
+        run, "%s: .stl holds neither colours nor texture coordinates; take .ply, .obj or .glb for --carry",
+        out);
 }
 
 void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh)
@@ -63,8 +73,8 @@ void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh)
     int const uvs = mesh->uvs != NULL && (format == BVX_FORMAT_STL || format == BVX_FORMAT_OFF);
 
     if (!colours && !uvs) return;
-    cli_warn(run, "%s: .%s cannot hold %s%s%s, which are lost", path, cli_format_name(format), colours ? "colours" : "",
-             colours && uvs ? " and " : "", uvs ? "texture coordinates" : "");
+    cli_warn(run, "%s: .%s cannot hold %s%s%s, which are lost", path, cli_format_name(format),
+             colours ? "colours" : "", colours && uvs ? " and " : "", uvs ? "texture coordinates" : "");
 }
 
 int cli_check_normals(cli_run *run)
@@ -130,7 +140,8 @@ int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *cons
         result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path[0]);
         bvx_buffer_free(run->context, &file);
     } else {
-        for (int i = 0; i < count && result == CLI_DONE; i++) result = cli_write_mesh_as(run, &levels[i], i, path[i]);
+        for (int i = 0; i < count && result == CLI_DONE; i++)
+            result = cli_write_mesh_as(run, &levels[i], i, path[i]);
     }
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     if (result == CLI_DONE) cli_stage_end(run);

@@ -13,7 +13,8 @@ trap 'rm -rf "$out"' EXIT
 "$bitvox" convert "$out/solid.npy" -o "$out/solid.nrrd"                  # for 3D Slicer, ParaView, ITK
 "$bitvox" compare "$out/solid.bvx" "$out/solid.nrrd"                     # nothing was lost on the way
 "$bitvox" lod "$out/solid.bvx" -o "$out/level_%d.glb" --levels 64,32,16  # closed meshes for an engine
-"$bitvox" lod "$mesh" -o "$out/fine_%d.ply" --triangles 4000,1000 --collapse 3
+"$bitvox" lod "$mesh" -o "$out/fine_%d.ply" --triangles 4000,1000       # edges of the mesh itself collapse
+"$bitvox" simplify "$mesh" -o "$out/near.ply" --error 0.05%             # as few triangles as that distance allows
 "$bitvox" compare "$mesh" "$out/fine_1.ply"                              # how far the coarsest lies from the mesh
 "$bitvox" render "$out/solid.bvx" -o "$out/cut.png" --cut z=0            # look inside
 "$bitvox" render "$mesh" "$out"/fine_*.ply -o "$out/levels.png" --wireframe

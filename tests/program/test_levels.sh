@@ -134,7 +134,7 @@ why() { # WORDS, FILE, ARGUMENTS...
     why=$1 input=$2
     shift 2
     run lod "$input" -o w.ply --triangles 2000 --samples 0 "$@"
-    if [ $status = 0 ] && says "^levels from its measured surface, $why: " && whole w.ply; then ok "measured, $why"
+    if [ $status = 0 ] && says "^levels from its measured surface, $why, in [0-9.]+ ms$" && whole w.ply; then ok "measured, $why"
     else not_ok "measured, $why" "status $status: $(grep levels out)"; fi
     rm -f w.ply
 }
@@ -144,7 +144,7 @@ why 'since some of its triangles are flipped' flipped.obj
 why 'since it crosses itself' two.obj
 why 'as --source asks' "$knot" --source measured
 why 'as options ask' "$knot" --resolution 64
-holds '--resolution is heeded' says ': 6[0-9] x 70 x 3[0-9] voxels,'
+holds '--resolution is heeded' says '^measured: 6[0-9] x 70 x 3[0-9] voxels, inside by winding; '
 why 'as options ask' "$knot" --resolution 100 --sign winding --sharp
 why 'as options ask' hollow.obj --resolution 64 --outer-hull
 holds '--outer-hull: the inner shell is gone' says '^filled: 1 of 1 cavities'

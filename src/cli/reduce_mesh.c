@@ -1,4 +1,4 @@
-/* reduce.c - --triangles and --error of the commands that make one mesh: its edges collapse once it is made.
+/* reduce_mesh.c - --triangles and --error of the commands that make one mesh: its edges collapse once it is made.
  *
  * --error is the distance from the mesh as it was made, not from what it was made of. */
 #include "cli/cli.h"
@@ -14,8 +14,10 @@ int cli_check_reduction(cli_run *run)
 {
     const cli_options *const o = &run->options;
 
-    if (o->triangles.count != 0 && o->errors.count != 0) return cli_usage(run, "--triangles and --error exclude each other");
-    if (cli_given(run, "--error-kind") && o->errors.count == 0) return cli_usage(run, "--error-kind needs --error");
+    if (o->triangles.count != 0 && o->errors.count != 0)
+        return cli_usage(run, "--triangles and --error exclude each other");
+    if (cli_given(run, "--error-kind") && o->errors.count == 0)
+        return cli_usage(run, "--error-kind needs --error");
     return CLI_DONE;
 }
 
@@ -61,8 +63,10 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     *mesh = less;
     r->done = 1;
     if (!r->level.met)
-        cli_warn(run, "%s has %" PRIu64 " triangles, not %" PRIu64 ": these are the fewest that collapsing edges leaves sound", run->options.output,
-                 r->level.triangles, target);
+        cli_warn(run,
+                 "%s has %" PRIu64 " triangles, not %" PRIu64
+                 ": these are the fewest that collapsing edges leaves sound",
+                 run->options.output, r->level.triangles, target);
     return CLI_DONE;
 }
 
@@ -71,8 +75,11 @@ void cli_tell_reduction(cli_run *run, const cli_reduction *r)
     cli_text *const t = &run->report.more;
 
     if (!r->done) return;
-    cli_say(run, "  collapsed   %" PRIu64 " of %" PRIu64 " triangles are left%s; smallest angle %.2f degrees, %" PRIu64 " crossings\n", r->level.triangles,
-            r->before, r->level.met ? "" : ", more than asked for", r->level.least_angle, r->level.crossings);
+    cli_say(run,
+            "  collapsed   %" PRIu64 " of %" PRIu64
+            " triangles are left%s; smallest angle %.2f degrees, %" PRIu64 " crossings\n",
+            r->level.triangles, r->before, r->level.met ? "" : ", more than asked for", r->level.least_angle,
+            r->level.crossings);
     cli_text_add(t, ", \"simplify\": {\"triangles_before\": %" PRIu64, r->before);
     cli_json_count(t, "triangles", r->level.triangles);
     cli_json_truth(t, "met", r->level.met);
