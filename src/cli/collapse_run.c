@@ -177,9 +177,12 @@ static void warn_of_surface(cli_run *run, const cli_collapse_run *c)
 {
     const bvx_certificate *const in = &c->before, *const s = &c->surface;
 
+    if (c->crumbs != 0)
+        cli_warn(run, "%" PRIu64 " crumb%s of the measured surface %s dropped: what is thinner than a voxel broke, and a larger --resolution keeps "
+                 "more of it", c->crumbs, c->crumbs == 1 ? "" : "s", c->crumbs == 1 ? "was" : "were");
     if (s->components > in->components)
-        cli_warn(run, "the measured surface has %" PRIu64 " pieces, the input %" PRIu64 ": what is thinner than a voxel broke; a larger --resolution "
-                 "keeps it, --least-part drops crumbs", s->components, in->components);
+        cli_warn(run, "the measured surface has %" PRIu64 " pieces, the input %" PRIu64 ": what is thinner than a voxel broke, and a larger --resolution "
+                 "keeps more of it", s->components, in->components);
     else if (cli_is_sound(in) && s->components < in->components)
         cli_warn(run, "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64 ": parts that touch became one, and what is thinner than a "
                  "voxel may be lost", s->components, s->components == 1 ? "" : "s", in->components);
@@ -205,10 +208,12 @@ static void warn_of_level(cli_run *run, const cli_collapse_run *c, int i)
     if (in->closed && in->oriented && fabs(of_surface) > VOLUME_CHANGE)
         warn_of_volume(run, what, volume_change(l->certificate.volume, in->volume), "");
 
+    if (l->crossings != 0)
+        cli_warn(run, "%" PRIu64 " pairs of triangles of %s cross, since the mesh crosses itself; 'bitvox lod' makes levels that do not", l->crossings, what);
     if (l->met) return;
     if (c->by_error) cli_warn(run, "%s cannot keep its target: what it is made from lies further than %.4g from the input", what, l->target_error);
-    else cli_warn(run, "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64 " are the fewest that keep it closed, manifold and free of crossings",
-                  what, l->target, l->triangles);
+    else cli_warn(run, "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64 " are the fewest that collapsing edges leaves sound", what,
+                  l->target, l->triangles);
 }
 
 /* ---- The end ---- */

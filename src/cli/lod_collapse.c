@@ -87,6 +87,8 @@ static int build_levels(cli_run *run, lod_collapse *l)
 
     c->before = l->report.before;
     c->surface = is_measured(l) ? l->report.repair.after : l->report.before;
+    c->surface.triangles = l->report.triangles;
+    c->surface.components -= c->crumbs = l->report.crumbs;
     c->source = is_measured(l) ? "measured" : "mesh";
     if (is_measured(l)) {
         run->report.lattice = l->report.repair.lattice;
@@ -107,7 +109,7 @@ static const char *reason_of(const cli_run *run, const lod_collapse *l)
     if (!in->closed) return "since it is open";
     if (!in->edge_manifold || !in->vertex_manifold) return "since it is not manifold";
     if (!in->oriented) return "since some of its triangles are flipped";
-    return "since levels of the mesh itself would cross themselves";
+    return l->report.crossings != 0 ? "since it crosses itself" : "since it has triangles without area";
 }
 
 static void say_lod_head(cli_run *run, const cli_collapse_run *c)
@@ -128,6 +130,8 @@ static void say_lod_head(cli_run *run, const cli_collapse_run *c)
             c->surface.components, c->surface.components == 1 ? "" : "s", c->seconds * 1e3);
     if (r->holes != 0) cli_say(run, "holes closed: %" PRIu64 ", the longest %.3g around\n", r->holes, r->longest_hole);
     if (r->shelled) cli_say(run, "made into shells: %" PRIu64 " triangles that enclose nothing\n", r->shelled_triangles);
+    if (l->report.crossings != 0) cli_say(run, "crossings: %" PRIu64 " pairs of the input's triangles\n", l->report.crossings);
+    if (c->crumbs != 0) cli_say(run, "dropped: %" PRIu64 " crumbs that no piece of the input stands for\n", c->crumbs);
     if (r->parts_dropped != 0)
         cli_say(run, "dropped: %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped, r->parts_dropped + r->parts_kept);
     if (r->cavities_dropped != 0)
@@ -144,6 +148,8 @@ static void report_levels(cli_run *run, const lod_collapse *l)
     cli_json_count(t, "input_triangles", l->run.input.triangle_count);
     cli_json_count(t, "input_components", l->report.before.components);
     cli_json_value(t, "input_volume", l->report.before.volume);
+    cli_json_count(t, "input_crossings", l->report.crossings);
+    cli_json_count(t, "crumbs", l->report.crumbs);
     cli_json_count(t, "surface_triangles", l->report.triangles);
     cli_json_count(t, "surface_components", l->run.surface.components);
     cli_json_value(t, "diagonal", l->run.diagonal);

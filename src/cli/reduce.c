@@ -39,6 +39,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     bvx_status status;
     cli_box box;
 
+    /* --error is in percent of the diagonal of the mesh that collapses. */
     r->before = mesh->triangle_count;
     if (!cli_reduces(run) || mesh->triangle_count == 0) return CLI_DONE;
     cli_mesh_box(mesh, &box);
@@ -49,6 +50,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     else s.target_errors = &error;
     s.error_kind = o->error_kind;
     s.reports = &r->level;
+
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "simplify");
     status = bvx_mesh_simplify(run->context, &view, &s, 1, &less);
@@ -59,8 +61,8 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     *mesh = less;
     r->done = 1;
     if (!r->level.met)
-        cli_warn(run, "%s has %" PRIu64 " triangles, not %" PRIu64 ": these are the fewest that keep it closed, manifold and free of crossings",
-                 run->options.output, r->level.triangles, target);
+        cli_warn(run, "%s has %" PRIu64 " triangles, not %" PRIu64 ": these are the fewest that collapsing edges leaves sound", run->options.output,
+                 r->level.triangles, target);
     return CLI_DONE;
 }
 

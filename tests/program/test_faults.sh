@@ -27,6 +27,7 @@ stl convert small.ply
 glb convert small.ply
 vti convert grid.bvx
 ply lod small.ply --levels 8 --samples 0
+ply simplify small.ply --samples 0
 npy voxelize small.ply --resolution 20
 bvx voxelize ball.xyz --spacing 0.05
 vti voxelize small.ply --mode field --resolution 12

@@ -1,32 +1,283 @@
 #!/bin/sh
-# test_levels.sh [PROGRAM] - levels of every shared mesh at 10, 3 and 1 % of its triangles: certified and without crossing triangles as info
-# reads the files. PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is
-# "N passed, N failed[, N skipped]". Runs in the repository's root, works in a folder of its own.
+# test_levels.sh [PROGRAM] - levels that edges collapse to: lod by its default method, simplify, and --triangles and --error of the
+# commands that make one mesh. PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last
+# line is "N passed, N failed[, N skipped]". Runs in the repository's root, works in a folder of its own.
 set -u
 . tests/tools/program_checks.sh
-meshes=$root/../shared/meshes
 
-whole_levels() { # NAME, MESH
-    rm -f level_*.ply
-    "$program" info "$2" --json >out 2>err || return 1
-    count=$(grep -o '"triangles": [0-9]*' out | head -n 1 | tr -dc 0-9)
-    run lod "$2" --triangles "$((count / 10 + 4)),$((count * 3 / 100 + 4)),$((count / 100 + 4))" -o level_%d.ply --quiet
-    [ $status = 0 ] || return 1
-    for i in 0 1 2; do
-        "$program" info level_$i.ply --json --crossings >out 2>>err || return 1
-        grep -q '"closed": true, "manifold": true, "oriented": true' out && grep -q '"crossings": 0' out || return 1
-    done
+: >before
+: >after
+
+# What must hold after a refusal: the status, one line on standard error with these words, nothing else anywhere.
+refuses() { # STATUS, WORDS, ARGUMENTS...
+    want=$1 words=$2
+    shift 2
+    name="refused ($want): $(printf '%s ' "$@" | sed "s|$root/||g" | cut -c 1-90)"
+    ls -A >before
+    run "$@"
+    ls -A >after
+    if [ $status != "$want" ]; then not_ok "$name" "status $status"
+    elif [ "$(wc -l <err)" -ne 1 ] || ! grep -q '^bitvox: ' err; then not_ok "$name" 'not one message'
+    elif ! grep -q -F -e "$words" err; then not_ok "$name" "no '$words' in the message"
+    elif [ -s out ] || ! cmp -s before after; then not_ok "$name" 'something was written'
+    else ok "$name"; fi
 }
 
-whole_levels knot "$knot"
-result 'levels of the knot' $?
-if [ -d "$meshes" ]; then
-    for mesh in "$meshes"/*; do
-        whole_levels "$(basename "$mesh")" "$mesh"
-        result "levels of $(basename "$mesh")" $?
-    done
+warns() { # WORDS, ARGUMENTS...: status 0 and a warning with these words
+    words=$1
+    shift
+    run "$@"
+    if [ $status = 0 ] && grep '^bitvox: warning: ' err | grep -q -F -e "$words"; then ok "warned: $words"
+    else not_ok "warned: $words" "status $status"; fi
+}
+
+# The report of a command, by python3: every expression over r is true.
+reports() { # NAME, EXPRESSION, ARGUMENTS...
+    reports_name=$1 expression=$2
+    shift 2
+    if ! has python3; then
+        skip "$reports_name" 'python3 is missing'
+        return
+    fi
+    "$program" "$@" --json >out 2>err </dev/null
+    if python3 -c 'import json, sys
+r = json.load(open("out"))
+sys.exit(not (r["status"] == "done" and eval("(" + sys.argv[1] + ")")))' "$expression" 2>>err; then ok "$reports_name"
+    else not_ok "$reports_name" "$expression: $(head -c 300 out)"; fi
+}
+
+says() { grep -q -E -e "$1" out; } # PATTERN
+triangles_of() { "$program" info "$1" 2>/dev/null | awk '$1 == "triangles" { print $2 }'; }
+whole() { # FILE: closed, manifold, oriented, and no triangles cross
+    "$program" info "$1" --crossings | grep -c -E '^  (closed|manifold|oriented) +yes$|^  crossings +0 pairs' | grep -q -x 4
+}
+
+# ---- Inputs ----
+
+"$program" convert "$knot" -o knot.obj --quiet
+awk '/^f / { if (++n % 3 == 0) next } { print }' knot.obj >holes.obj
+awk '/^f / { if (++n % 5 == 0) { print "f", $3, $2, $4; next } } { print }' knot.obj >flipped.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >flat.obj
+printf 'v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n' >cube.obj
+# Two cubes that overlap, one inside another, and one on a thin neck.
+awk '{ print } $1 == "v" { more = more "v " $2 + 1 " " $3 + 0.5 " " $4 + 0.25 "\n" }
+    $1 == "f" { more = more "f " $2 + 8 " " $3 + 8 " " $4 + 8 " " $5 + 8 "\n" } END { printf "%s", more }' cube.obj >two.obj
+awk '{ print } $1 == "v" { more = more "v " 0.5 + $2 / 2 " " 0.5 + $3 / 2 " " 0.5 + $4 / 2 "\n" }
+    $1 == "f" { more = more "f " $5 + 8 " " $4 + 8 " " $3 + 8 " " $2 + 8 "\n" } END { printf "%s", more }' cube.obj >hollow.obj
+awk '{ print } $1 == "v" { more = more "v " 0.01 + $2 / 200 + 2.2 " " $3 / 200 " " $4 / 200 "\n" }
+    $1 == "f" { more = more "f " $2 + 8 " " $3 + 8 " " $4 + 8 " " $5 + 8 "\n" } END { printf "%s", more }' cube.obj >speck.obj
+awk '$1 == "v" { print $0, $2 / 10 + 0.5, 0, 1; next } { print }' knot.obj >coloured.obj
+
+# ---- lod ----
+
+does() { # NAME, ARGUMENTS...: status 0; small levels of the knot lose volume, which is warned of
+    does_name=$1
+    shift
+    run "$@"
+    if [ $status = 0 ]; then ok "$does_name"; else not_ok "$does_name" "status $status"; fi
+}
+
+works_here() { # NAME, FILES, ARGUMENTS...: each of the files is whole
+    works_here_name=$1 files=$2
+    shift 2
+    works "$works_here_name" "$@"
+    for file in $files; do holds "$works_here_name: $file is whole" whole "$file"; done
+}
+
+works_here 'lod' 'l_0.ply l_1.ply l_2.ply l_3.ply' lod "$knot" -o l_%d.ply
+cp out table.txt
+holds 'lod: what levels are made from' grep -q '^levels from the mesh itself, 1 piece, in ' table.txt
+holds 'lod: four halvings' test "$(awk '/^ +[0-3] .*met +yes$/ { printf "%s %s %s,", $2, $3, $4 }' table.txt)" = '19200 19200 50.00%,9600 9600 25.00%,4800 4800 12.50%,2400 2400 6.25%,'
+holds 'lod: distances of four levels' test "$(sed '1,/both\|^distances/d' table.txt | grep -c -E '^ +[0-3]( +[0-9.e-]+ +[0-9.]+%){4}$')" = 4
+holds 'lod: near to the mesh' sh -c "sed '1,/^distances/d' table.txt | awk '/^ +3 / { sub(\"%\", \"\", \$3); exit !(\$3 < 0.15) }'"
+holds 'lod: files are named' grep -q '^written: l_0.ply, l_1.ply, l_2.ply, l_3.ply$' table.txt
+"$program" lod "$knot" -o t_%d.ply --threads 1 --quiet
+holds 'lod: threads do not show' sh -c 'cmp l_0.ply t_0.ply && cmp l_3.ply t_3.ply'
+"$program" lod - --format ply -o t_%d.ply --quiet <"$knot"
+holds 'lod reads standard input' cmp l_3.ply t_3.ply
+if has gzip; then
+    gzip -c "$knot" >packed.ply.gz
+    "$program" lod packed.ply.gz -o t_%d.ply --quiet 2>err
+    if grep -q 'made without zlib' err; then ok 'without zlib: it says so'; else holds 'lod reads .gz' cmp l_3.ply t_3.ply; fi
 else
-    skip 'levels of real meshes' '../shared/meshes is missing'
+    skip 'lod reads .gz' 'gzip is missing'
 fi
+rm -f ?_?.ply packed.ply.gz
+
+works_here 'lod --triangles' 'l_0.ply l_1.ply' lod "$knot" -o l_%d.ply --triangles 5000,2500 --samples 0
+holds 'lod --triangles: no more than asked for' sh -c "test $(triangles_of l_0.ply) -le 5000 && test $(triangles_of l_1.ply) -le 2500"
+holds 'lod --samples 0: no distances' sh -c '! grep -q distances out'
+works_here 'lod --count' 'l_0.ply l_1.ply' lod "$knot" -o l_%d.ply --count 2 --samples 0
+holds 'lod --count: two files' test ! -e l_2.ply
+works_here 'lod --error' 'l_0.ply l_1.ply' lod "$knot" -o l_%d.ply --error 0.05%,0.01
+holds 'lod --error: both targets stand in the table' sh -c "grep -q -E '^ +0 .* 0.05% .* met +yes$' out && grep -q -E '^ +1 .* 0.08958% .* met +yes$' out"
+reports 'lod --error: kept, and not for nothing' 'all(0.7 * e < m["mean_distance"] <= e and m["met"] and m["target"] is None and m["target_error"] == e for m, e in
+zip(r["meshes"], (0.0005 * r["levels"]["diagonal"], 0.01)))' lod "$knot" -o l_%d.ply --error 0.05%,0.01
+reports 'lod --error-kind max' '0.3 < r["meshes"][0]["max_distance"] / (0.005 * r["levels"]["diagonal"]) <= 1' lod "$knot" -o l_%d.ply --error 0.5% --error-kind max
+does 'one level needs no %d' lod "$knot" -o one.off --triangles 900 --samples 0
+holds 'one level needs no %d: it is there' whole one.off
+does 'a small mesh has few levels' lod cube.obj -o s_%d.ply --samples 0
+holds 'a small mesh has few levels: one' sh -c 'test -e s_0.ply && ! test -e s_1.ply'
+does 'lod --even' lod "$knot" -o e.ply --triangles 900 --samples 0 --even 0.01
+does 'lod --normals' lod "$knot" -o n_%d.obj --triangles 900,90 --samples 0 --normals
+holds 'lod --normals: one a vertex' test "$(grep -c '^vn ' n_1.obj)" = "$(grep -c '^v ' n_1.obj)"
+rm -f ?_?.* one.off e.ply
+
+reports 'lod --json' 'r["levels"]["source"] == "mesh" and r["levels"]["reason"] == "" and r["warnings"] == [] and "repair" not in r and
+[s["name"] for s in r["stages"] if s["name"][:4] in ("leve", "dist", "writ", "read")] == ["read", "level 0", "distance 0", "distance 1", "write"] and
+all(m["met"] is True and m["crossings"] == 0 and m["target"] >= m["triangles"] and m["least_angle"] > 0.1 and m["source"] == "mesh" and
+m["closed"] and m["manifold"] and m["oriented"] and m["components"] == 1 and m["distance"]["mean_to_input"] > 0 and
+m["simplification_rate"] == m["triangles"] / 38400 for m in r["meshes"])' lod "$knot" -o l_%d.ply --triangles 6000,3000
+
+# Meshes that must be measured, and why.
+why() { # WORDS, FILE, ARGUMENTS...
+    why=$1 input=$2
+    shift 2
+    run lod "$input" -o w.ply --triangles 2000 --samples 0 "$@"
+    if [ $status = 0 ] && says "^levels from its measured surface, $why: " && whole w.ply; then ok "measured, $why"
+    else not_ok "measured, $why" "status $status: $(grep levels out)"; fi
+    rm -f w.ply
+}
+why 'since it is open' holes.obj
+holds 'holes are counted' says '^holes closed: [0-9]+, the longest '
+why 'since some of its triangles are flipped' flipped.obj
+why 'since it crosses itself' two.obj
+why 'as --source asks' "$knot" --source measured
+why 'as options ask' "$knot" --resolution 64
+holds '--resolution is heeded' says ': 6[0-9] x 70 x 3[0-9] voxels,'
+why 'as options ask' "$knot" --resolution 100 --sign winding --sharp
+why 'as options ask' hollow.obj --resolution 64 --outer-hull
+holds '--outer-hull: the inner shell is gone' says '^filled: 1 of 1 cavities'
+why 'as options ask' speck.obj --resolution 256 --least-part 100
+holds '--least-part: the speck is gone' says '^dropped: 1 of 2 parts'
+why 'since it is open' flat.obj
+holds 'a triangle becomes a shell' says '^made into shells: 1 triangles that enclose nothing'
+why 'since it is open' flat.obj --shell 4 --no-sharp
+reports 'a measured surface in --json' 'r["levels"]["source"] == "measured" and r["levels"]["reason"] == "since it is open" and r["repair"]["holes"] > 0 and
+r["meshes"][0]["source"] == "measured" and r["levels"]["surface_triangles"] > 10000 and max(r["lattice"]["dims"]) > 64' lod holes.obj -o l.ply --triangles 2000 --samples 0
+works '--source mesh' lod two.obj -o m.ply --source mesh --triangles 24 --samples 0 --quiet
+refuses 1 'flat.obj: ' lod flat.obj -o x.ply --source mesh --triangles 4
+rm -f l.ply m.ply l_?.ply
+
+# Warnings, and targets that cannot be kept.
+warns 'level 1 cannot keep its target of 2 triangles: 4 are' lod cube.obj -o c_%d.ply --triangles 4,2 --samples 0
+holds 'a target that is not kept is marked' says '^ +1 +4 +2 .* NOT MET +yes$'
+holds 'a target that is not kept: both levels are written' sh -c 'test -s c_0.ply && test -s c_1.ply'
+rm -f c_?.ply
+refuses 1 'level 1' lod cube.obj -o c_%d.ply --triangles 4,2 --samples 0 --strict
+refuses 1 'level 0' simplify cube.obj -o c.ply --triangles 2 --strict
+warns 'less volume than the input' lod cube.obj -o c.ply --triangles 4 --samples 0
+rm -f c.ply
+warns 'the measured surface has 1 piece, the input 2: parts that touch became one' lod two.obj -o c.ply --triangles 200 --samples 0
+warns 'less volume than the input: parts that overlap count once' lod two.obj -o c.ply --triangles 200 --samples 0
+warns '--sharp had no use' lod "$knot" -o c.ply --triangles 2000 --samples 0 --sharp
+reports 'warnings stand in --json' 'len(r["warnings"]) == 2 and "volume" in r["warnings"][1]' lod two.obj -o c.ply --triangles 200 --samples 0
+rm -f c.ply
+
+# Colours go along.
+works 'lod --carry' lod coloured.obj -o c_%d.obj --triangles 4000,2500 --samples 0 --carry --quiet
+awk '$1 == "v" { n++; d = $5 - ($2 / 10 + 0.5); if (d > 0.03 || d < -0.03 || $7 < 0.99) bad++ } END { exit !(n > 200 && bad == 0) }' c_1.obj
+result 'carried colours are those of the position' $?
+reports 'lod --carry --json' 'all(m["colours"] for m in r["meshes"])' lod coloured.obj -o c_%d.ply --triangles 400,50 --samples 0 --carry
+works 'simplify --carry' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --carry --quiet
+holds 'simplify --carry: six numbers a vertex' test "$(awk '$1 == "v" && NF == 7' c_0.obj | wc -l)" -gt 1000
+refuses 2 'neither colours nor texture coordinates' lod knot.obj -o x_%d.ply --carry
+refuses 2 '.stl holds neither' simplify coloured.obj -o x.stl --carry
+rm -f c_?.*
+
+# All levels in one file.
+does 'all levels in one .glb' lod "$knot" -o all.glb --triangles 3000,600,100 --samples 0
+holds 'all levels in one .glb: it is named once' says '^written: all.glb$'
+holds 'all levels in one .glb: three nodes, and the extension' sh -c 'for i in 0 1 2; do grep -a -q "\"level_$i\"" all.glb || exit 1; done; grep -a -q MSFT_lod all.glb'
+works '.glb by halves' lod "$knot" -o halves.glb --samples 0
+holds '.glb by halves: four' sh -c 'grep -a -q level_3 halves.glb && ! grep -a -q level_4 halves.glb'
+works 'one level in a .glb' simplify "$knot" -o one.glb --samples 0
+holds 'one level in a .glb: no extension' sh -c '! grep -a -q MSFT_lod one.glb'
+works 'levels by samples in one .glb' lod "$knot" -o samples.glb --levels 24,12 --samples 0
+holds 'levels by samples in one .glb: both' grep -a -q level_1 samples.glb
+reports 'levels in one .glb --json' '[m["path"] for m in r["meshes"]] == ["all.glb", "all.glb"] and r["meshes"][1]["triangles"] <= 100' lod "$knot" -o all.glb --triangles 600,100 --samples 0
+does '.glb each' lod "$knot" -o each_%d.glb --triangles 600,100 --samples 0
+holds '.glb each: two files' sh -c 'test -s each_0.glb && test -s each_1.glb && ! grep -a -q MSFT_lod each_0.glb'
+rm -f ./*.glb
+
+# ---- Contradictions ----
+
+refuses 2 '--levels is for --method edge-ratio and coverage' lod "$knot" -o x_%d.ply --method collapse --levels 64
+refuses 2 'collapse takes --triangles, --error or --count' lod "$knot" -o x_%d.ply --method collapse --fill nonzero
+refuses 2 '--error is for --method collapse, and --levels for' lod "$knot" -o x_%d.ply --levels 64 --error 1%
+refuses 2 '--count is for --method collapse, not for coverage' lod "$knot" -o x_%d.ply --method coverage --count 3
+refuses 2 '--triangles and --error exclude each other' lod "$knot" -o x_%d.ply --triangles 3 --error 1
+refuses 2 '--triangles and --count exclude each other' lod "$knot" -o x_%d.ply --triangles 3 --count 1
+refuses 2 '--error and --count exclude each other' simplify "$knot" -o x_%d.ply --error 3 --count 1
+refuses 2 '--error-kind needs --error' lod "$knot" -o x_%d.ply --error-kind max
+refuses 2 '--sharp and --no-sharp exclude' lod "$knot" -o x_%d.ply --sharp --no-sharp
+refuses 2 '--outer-hull fills every cavity' lod "$knot" -o x_%d.ply --outer-hull --least-cavity 9
+refuses 2 '--source mesh measures none' lod "$knot" -o x_%d.ply --source mesh --resolution 64
+refuses 2 'is for volumes' lod "$knot" -o x_%d.ply --level 16
+refuses 2 'more than the 16777216' lod "$knot" -o x_%d.ply --resolution 20000000
+refuses 2 'one of: auto, mesh, measured' lod "$knot" -o x_%d.ply --source solid
+refuses 2 'need %d' lod "$knot" -o x.ply --count 2
+refuses 2 'need %d' simplify "$knot" -o x.obj --triangles 3000,300
+refuses 2 'only .glb holds several' lod "$knot" -o x.ply
+refuses 2 'stands twice' lod "$knot" -o x_%d_%d.glb
+for value in '' 0 -1 0% 1,,2 1% 1%%; do
+    [ "$value" = 1% ] || refuses 2 'distances above 0' lod "$knot" -o x_%d.ply --error "$value"
+done
+for value in 0 65 1.5; do refuses 2 'from 1 to 64' lod "$knot" -o x_%d.ply --count "$value"; done
+for value in -0.1 1.1 x; do refuses 2 'from 0 to 1' lod "$knot" -o x_%d.ply --even "$value"; done
+"$program" voxelize "$knot" -o grid.npy --resolution 20 --quiet
+refuses 2 'is a grid, for edge-ratio and coverage' lod grid.npy -o x_%d.ply --method collapse
+refuses 2 'grid.npy is a grid' lod grid.npy -o x_%d.ply --count 2
+refuses 2 'simplify is for meshes' simplify grid.npy -o x.ply
+works 'a grid still has levels' lod grid.npy -o g_%d.ply --samples 0
+works '--triangles of a grid' lod grid.npy -o g_%d.ply --triangles 500,100 --samples 0
+rm -f grid.npy* g_?.ply
+
+# ---- simplify ----
+
+works_here 'simplify' s.ply simplify "$knot" -o s.ply
+holds 'simplify: half' test "$(triangles_of s.ply)" = 19200
+holds 'simplify: the table' says '^ +0 +19200 +19200 +50.00% .* met +yes$'
+works_here 'simplify --triangles' 's_0.stl s_1.stl' simplify "$knot" -o s_%d.stl --triangles 4000,3000
+works_here 'simplify --count' 's_0.ply s_1.ply s_2.ply' simplify "$knot" -o s_%d.ply --count 3 --samples 0
+works_here 'simplify --error' s.ply simplify "$knot" -o s.ply --error 0.01
+reports 'simplify --json' 'r["meshes"][0]["met"] and r["meshes"][0]["source"] == "mesh" and 0.007 < r["meshes"][0]["mean_distance"] <= 0.01' simplify "$knot" -o s.ply --error 0.01
+"$program" simplify "$knot" -o a.ply --triangles 700 --quiet
+"$program" lod "$knot" -o b.ply --triangles 700 --quiet
+holds 'simplify and lod agree on a sound mesh' cmp a.ply b.ply
+refuses 1 "edges with one triangle); 'bitvox lod'" simplify holes.obj -o x.ply
+refuses 1 'between flipped triangles' simplify flipped.obj -o x.ply
+refuses 1 "'bitvox repair'" simplify flat.obj -o x.ply
+refuses 2 'has no use for --resolution' simplify "$knot" -o x.ply --resolution 64
+refuses 1 'No such file' simplify missing.ply -o x.ply
+rm -f s.ply s_?.* a.ply b.ply
+
+# ---- One mesh and fewer triangles ----
+
+works_here 'repair --triangles' r.ply repair holes.obj -o r.ply --resolution 64 --triangles 3000 --measure
+holds 'repair --triangles: all that was asked for' test "$(triangles_of r.ply)" -ge 2990 -a "$(triangles_of r.ply)" -le 3000
+holds 'repair --triangles: told' says '^  collapsed   (2999|3000|299[0-9]) of [0-9]+ triangles are left; smallest angle '
+works_here 'repair --error' r.ply repair holes.obj -o r.ply --resolution 64 --error 0.1%
+reports 'repair --triangles --json' 'r["simplify"]["met"] and r["simplify"]["triangles_before"] > 9000 and r["meshes"][0]["triangles"] <= 1000 and
+r["simplify"]["crossings"] == 0 and r["meshes"][0]["mean_distance"] > 0 and r["repair"]["mean_off_caps"] is None' repair "$knot" -o r.ply --resolution 64 --triangles 1000 --measure
+works 'repair --triangles --carry' repair coloured.obj -o r.obj --resolution 64 --triangles 1000 --carry
+holds 'repair --triangles --carry: colours' grep -q -E '^v( [^ ]+){6}$' r.obj
+refuses 2 'exclude each other' repair "$knot" -o x.ply --triangles 10 --error 1
+refuses 2 '--error-kind needs --error' repair "$knot" -o x.ply --error-kind max
+works_here 'a cube that was flipped has 12 triangles again' r.ply repair cube.obj -o r.ply --resolution 64 --sharp --triangles 12
+works_here 'boolean --triangles' r.ply boolean union cube.obj two.obj -o r.ply --resolution 48 --triangles 300
+works_here 'boolean --error of grids' r.ply boolean xor "$knot" cube.obj -o r.ply --resolution 32 --error 1%
+refuses 2 'the result is a grid' boolean union cube.obj two.obj -o x.npy --triangles 300
+"$program" slice "$knot" -o knot.csv --spacing 0.2 --quiet
+run sections knot.csv -o r.ply --triangles 2000 --quiet
+holds 'sections --triangles' sh -c "test $status = 0 && test $(triangles_of r.ply) -le 2000"
+reports 'sections --triangles --json' 'r["simplify"]["triangles"] == r["meshes"][0]["triangles"] <= 2000 and r["sections"]["points"] > 100' sections knot.csv -o r.ply --triangles 2000 --quiet
+refuses 2 'needs a closed body' sections knot.csv -o x.ply --triangles 2000 --caps open
+works_here 'voxelize --level --triangles' r.ply voxelize "$root/fixtures/waves.nhdr" -o r.ply --level 120 --triangles 1500
+works_here 'voxelize --all-labels --error' 'p_1.ply p_2.ply p_7.ply' voxelize "$root/fixtures/labels.npy" -o p_%d.ply --all-labels --error 1%
+refuses 2 'the result is a grid' voxelize "$knot" -o x.npy --triangles 9
+refuses 2 'the result is a grid' voxelize "$root/fixtures/waves.nhdr" -o x.bvx --level 120 --error 9
+warns 'has 4 triangles, not 2' repair cube.obj -o r.ply --resolution 32 --triangles 2
+rm -f r.* p_?.ply knot.csv
 
 counts

@@ -152,7 +152,7 @@ for value in '' 64, ,64 64,,32 64,0 a 64,32,b 1e3; do refuses 2 'whole numbers' 
 for value in 0 1 -0.5 nan inf 0x1p-1 0.5x 1e; do refuses 2 'above 0 and below 1' lod "$knot" -o x_%d.ply --threshold "$value"; done
 for value in 0.99 65 x; do refuses 2 'a number from 1 to 64' lod "$knot" -o x_%d.ply --triangles 100 --collapse "$value"; done
 refuses 2 'one of: parity, nonzero' lod "$knot" -o x_%d.ply --fill odd
-refuses 2 'one of: edge-ratio, coverage' lod "$knot" -o x_%d.ply --method best
+refuses 2 'one of: edge-ratio, coverage, collapse' lod "$knot" -o x_%d.ply --method best
 refuses 2 'exclude each other' lod "$knot" -o x_%d.ply --levels 3 --triangles 100
 refuses 2 'needs --method edge-ratio' lod "$knot" -o x_%d.ply --method coverage --edge-samples 4
 refuses 2 'needs --triangles' lod "$knot" -o x_%d.ply --collapse 3
@@ -212,10 +212,11 @@ refuses 1 'index.obj: ' info index.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n' >letter.obj
 refuses 1 'line 4' info letter.obj
 printf 'v 5 5 5\nv 5 5 5\nv 5 5 5\nf 1 2 3\n' >point.obj
-refuses 1 'one point' lod point.obj -o x_%d.ply
+refuses 1 'has an area' lod point.obj -o x_%d.ply
+refuses 1 'one point' lod point.obj -o x_%d.ply --levels 8,4
 refuses 1 'one point' render point.obj -o x.png
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >flat.obj
-refuses 1 'flat.obj: ' lod flat.obj -o x_%d.ply --quiet
+refuses 1 'flat.obj: ' lod flat.obj -o x_%d.ply --levels 8,4 --quiet
 printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' >line.obj
 refuses 1 'line.obj: ' lod line.obj -o x_%d.ply --triangles 100,50 --quiet
 refuses 1 'lattice' voxelize "$knot" -o x.npy --resolution 16 --window 0,0,0,99,9,9
@@ -223,6 +224,7 @@ refuses 1 'limit' voxelize "$knot" -o x.npy --resolution 1000 --memory-limit 4M
 refuses 1 'the limit is' voxelize "$knot" -o x.npy --resolution 200000 # a limit that is not asked for is the machine's memory
 refuses 1 'memory-limit' info "$knot" --memory-limit 1000
 refuses 1 'limit' lod "$knot" -o x_%d.ply --resolution 3000 --memory-limit 100M
+refuses 1 'limit' lod "$knot" -o x_%d.ply --levels 64,32 --resolution 3000 --memory-limit 100M
 refuses 1 'level 1' lod "$knot" -o x_%d.ply --levels 32,1 --samples 0 --threshold 0.9
 printf '%s' "$(printf 'x%.0s' 1 2 3 4 5 6 7 8)" >"new
 line.ply"
@@ -294,9 +296,9 @@ run render "$knot" "$knot" -o y.png --size 60x45
 holds 'render takes several meshes' test $status = 0
 rm -f x.png y.png
 
-run lod "$knot" -o x_%d.ply --samples 500
+run lod "$knot" -o x_%d.ply --method edge-ratio --samples 500
 cp out table.txt
-holds 'lod writes its usual levels' sh -c "test $status = 0 && test -s x_0.ply && test -s x_1.ply && test -s x_2.ply"
+holds 'lod --method edge-ratio writes its usual levels' sh -c "test $status = 0 && test -s x_0.ply && test -s x_1.ply && test -s x_2.ply"
 holds 'lod: the certificate of each level' test "$(grep -c -E '^ +[0-2] +[0-9]+x.* yes$' table.txt)" = 3
 holds 'lod: the choice of resolution is told' grep -q 'resolution 512, 8 x the finest level' table.txt
 holds 'lod: samples and seed are told' grep -q '500 random points on each mesh, seed 1' table.txt
@@ -307,7 +309,7 @@ for level in 0 1 2; do
     holds "level $level has the knot's topology" grep -q 'components  1, Euler number 0' out
 done
 cp x_0.ply first.ply
-run lod "$knot" -o x_%d.ply --samples 0 --threads 1 --quiet
+run lod "$knot" -o x_%d.ply --method edge-ratio --samples 0 --threads 1 --quiet
 holds 'lod: threads do not show' cmp x_0.ply first.ply
 holds '--quiet says nothing' sh -c 'test ! -s out && test ! -s err'
 run lod "$knot" -o y.stl --levels 24 --samples 0
@@ -586,6 +588,11 @@ P
     holds '--progress=json: valid lines, stages of the report, fractions that never fall, not too many' python3 lines.py
     run info missing.ply --progress=json
     holds '--progress=json: an error is still one line' test "$(grep -v '^{' err | wc -l)" = 1
+    for words in 'lod --resolution 200 --count 2' 'simplify --error 0.02%,0.1%' lod; do
+        # shellcheck disable=SC2086
+        run $words "$knot" -o x_%d.ply --samples 50000 --progress=json --json
+        holds "--progress=json: the same of $words" python3 lines.py
+    done
     run lod "$knot" -o x_%d.ply --quiet --progress=json --samples 100
     holds '--progress=json beside --quiet' sh -c 'test ! -s out && test -s err'
     run lod "$knot" -o y.ply --samples 2000000 --threads 1 --levels 32 --progress=bar
@@ -637,6 +644,8 @@ names = ['x_0.ply', 'x_1.ply', 'x.npy', 'x.png']
 jobs = [
     ['lod', knot, '-o', 'stop/x_%d.ply', '--levels', '300,100', '--resolution', '900', '--samples', '100000'],
     ['lod', knot, '-o', 'stop/x_%d.ply', '--triangles', '60000,9000', '--collapse', '3'],
+    ['lod', knot, '-o', 'stop/x_%d.ply', '--triangles', '16000,400', '--resolution', '400'],
+    ['simplify', knot, '-o', 'stop/x_%d.ply', '--error', '0.05%,0.2%'],
     ['voxelize', knot, '-o', 'stop/x.npy', '--resolution', '700'],
     ['render', knot, '-o', 'stop/x.png', '--size', '3000x3000'],
     ['info', 'big.obj'],
