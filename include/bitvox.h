@@ -2051,14 +2051,27 @@ BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *
 
 /** What levels are made from. */
 enum {
-    BVX_LEVELS_AUTO = 0,     /**< the mesh itself where it is closed, manifold, oriented and does not cross itself, else its measured surface */
+    BVX_LEVELS_AUTO = 0,     /**< the mesh itself where it is closed, manifold, oriented and its levels do not cross themselves, else its
+                                  measured surface */
     BVX_LEVELS_MESH = 1,     /**< the mesh itself: closed, manifold and oriented */
     BVX_LEVELS_MEASURED = 2  /**< the surface that bvx_repair makes of the mesh */
 };
 
+/** Why levels were made from the measured surface: the first of these that holds. */
+enum {
+    BVX_MEASURED_NOT = 0,       /**< they were made from the mesh itself */
+    BVX_MEASURED_ASKED = 1,     /**< asked for by source, or by an option that only a measured surface can follow */
+    BVX_MEASURED_OPEN = 2,
+    BVX_MEASURED_MANIFOLD = 3,  /**< the mesh is not manifold */
+    BVX_MEASURED_FLIPPED = 4,   /**< neighbours of opposite orientation */
+    BVX_MEASURED_FLAT = 5,      /**< triangles without area */
+    BVX_MEASURED_LARGE = 6,     /**< a scan of more than 500,000 triangles and 24 times those of the finest level */
+    BVX_MEASURED_CROSSINGS = 7  /**< the mesh crosses itself, and so did its levels */
+};
+
 typedef struct bvx_levels_report {
     int32_t source;          /**< BVX_LEVELS_MESH or MEASURED: what the levels were made from */
-    int32_t reserved0;
+    int32_t reason;          /**< BVX_MEASURED_... */
     bvx_certificate before;  /**< of the input, vertices at equal positions taken as one */
     uint64_t triangles;      /**< of the surface before edges collapsed */
     uint64_t crossings;      /**< pairs of triangles of the input that cross, where that decided */
@@ -2072,7 +2085,8 @@ typedef struct bvx_levels_options {
     const uint64_t *target_triangles; /**< as in bvx_simplify_options; halving starts from the input's triangles */
     const double *target_errors;      /**< as in bvx_simplify_options */
     int32_t error_kind;               /**< as in bvx_simplify_options */
-    int32_t position_type;            /**< BVX_F32 or BVX_F64 [Default: 0, f32 where it holds, else f64] */
+    int32_t position_type;            /**< BVX_F32 or BVX_F64 [Default: 0: the type of a mesh that is simplified as it is; of
+                                           a measured surface f32 where it holds, else f64] */
     double even;                      /**< as in bvx_simplify_options [Default: 1e-9] */
     uint64_t measure_samples;         /**< as in bvx_simplify_options [Default: 0] */
     int32_t strict;                   /**< as in bvx_simplify_options [Default: 0] */
@@ -2103,8 +2117,8 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
 /**
  * Levels of detail from any mesh: the main job.
  *
- * A mesh that is closed, manifold and oriented, has no triangle without area and does not cross itself is simplified as it is; of any
- * other mesh the surface is measured first as bvx_repair does: holes get lids, overlapping parts become one, sheets become
+ * A mesh that is closed, manifold and oriented and has no triangle without area is simplified as it is, where its levels do not cross
+ * themselves; of any other mesh the surface is measured first as bvx_repair does: holes get lids, overlapping parts become one, sheets become
  * shells. Then edges collapse, each level from the one before, as in bvx_mesh_simplify, whose guarantee holds for every level.
  *
  * mesh    any mesh of area; vertices must be finite

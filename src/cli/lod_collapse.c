@@ -11,10 +11,6 @@ typedef struct lod_collapse {
     bvx_levels_report report;
 } lod_collapse;
 
-/* Options that ask for a measured surface, as the library says. */
-static const char *const asks_for_measured[] = {"--resolution",   "--sign",       "--least-part",
-                                                "--least-cavity", "--outer-hull", NULL};
-
 static const char *given_of(const cli_run *run, const char *const *names)
 {
     for (int i = 0; names[i] != NULL; i++)
@@ -108,14 +104,11 @@ static int build_levels(cli_run *run, lod_collapse *l)
 /* Why the surface was measured. */
 static const char *reason_of(const cli_run *run, const lod_collapse *l)
 {
-    const bvx_certificate *const in = &l->report.before;
+    static const char *const reason[] = {"", "as options ask", "since it is open", "since it is not manifold",
+                                         "since some of its triangles are flipped", "since it has triangles without area",
+                                         "since it is a scan much finer than its levels", "since it and its levels cross themselves"};
 
-    if (run->options.source == BVX_LEVELS_MEASURED) return "as --source asks";
-    if (given_of(run, asks_for_measured) != NULL) return "as options ask";
-    if (!in->closed) return "since it is open";
-    if (!in->edge_manifold || !in->vertex_manifold) return "since it is not manifold";
-    if (!in->oriented) return "since some of its triangles are flipped";
-    return l->report.crossings != 0 ? "since it crosses itself" : "since it has triangles without area";
+    return run->options.source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
 }
 
 static void say_lod_head(cli_run *run, const cli_collapse_run *c)

@@ -137,6 +137,14 @@ static inline int bvxi_overlap(const void *a, uint64_t a_size, const void *b, ui
     return x <= y ? y - x < a_size : x - y < b_size;
 }
 
+/* The nearest float of a finite double. Volatile: gcc 12 at -O3 leaves the rounding out where it makes vectors of several
+ * values, and what is decided about a position must be decided about the one that is written. */
+static inline double bvxi_nearest_float(double x)
+{
+    float volatile const nearest = (float)x;
+    return (double)nearest;
+}
+
 /* a * b and a + b; 0 in *ok when they do not fit 64 bits. */
 static inline uint64_t bvxi_mul(uint64_t a, uint64_t b, int *ok)
 {

@@ -58,6 +58,10 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
     if (o->sharp < -1 || o->sharp > 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", function,
                          (int64_t)o->sharp);
+    if (!(o->shell == 0 || (o->shell >= 1.5 && o->shell <= 1e6)))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: a shell of %g voxels; it is 0 for none, or from 1.5 to 10^6", function,
+                         o->shell);
     if ((o->outer & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer %d is neither 0 nor 1", function,
                          (int64_t)o->outer);
@@ -264,24 +268,25 @@ static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piec
     return pieces;
 }
 
-/* Mark small pieces, the smallest first, until as many are left as the input has; volume becomes -1 there. */
-static uint64_t mark_crumbs(const uint32_t *piece, uint64_t vertices, uint64_t surplus, double most,
-                            double *volume)
+/* Mark small pieces, the smallest first, until as many are left as the input has; volume becomes -1 there.
+ * order and keys [Size: pieces]. */
+static bvx_status mark_crumbs(levels_job *job, const uint32_t *piece, uint64_t vertices, uint64_t pieces,
+                              double most, double *volume, uint64_t *keys, uint32_t *order)
 {
-    uint64_t marked = 0;
+    uint64_t const surplus = pieces - job->report.before.components;
+    uint64_t n = 0;
 
-    while (marked < surplus) {
-        uint64_t least = vertices;
-
-        for (uint64_t v = 0; v < vertices; v++)
-            if (piece[v] == v && volume[v] >= 0 && volume[v] < most &&
-                (least == vertices || volume[v] < volume[least]))
-                least = v;
-        if (least == vertices) break;
-        volume[least] = -1;
-        marked++;
+    /* Bits of positive doubles are in the order of their values. */
+    for (uint64_t v = 0; v < vertices; v++) {
+        if (piece[v] != v) continue;
+        memcpy(&keys[n], &volume[v], sizeof keys[n]);
+        order[n++] = (uint32_t)v;
     }
-    return marked;
+    BVXI_TRY(bvxi_radix_sort(job->ctx, keys, order, pieces));
+
+    for (n = 0; n < surplus && volume[order[n]] < most; n++) volume[order[n]] = -1;
+    job->report.crumbs = n;
+    return BVX_OK;
 }
 
 /* Take the triangles of marked pieces out; vertices stay, since nobody sees those without triangles. */
@@ -299,29 +304,30 @@ static void drop_pieces(bvx_mesh *surface, const uint32_t *piece, const double *
 /* Drop pieces of the measured surface that the input has none for. */
 static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
 {
-    uint64_t const vertices = surface->vertex_count, bytes = vertices * 16;
+    uint64_t const vertices = surface->vertex_count, bytes = vertices * 28;
+    bvx_status status = BVX_OK;
     unsigned char *block;
     uint32_t *same, *piece;
     double *volume, total;
+    uint64_t *keys, pieces;
     bvx_mesh_view view;
-    uint64_t pieces;
 
     bvx_mesh_view_of(surface, &view);
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the surface's pieces", &block));
     volume = (double *)(void *)block;
-    same = (uint32_t *)(void *)(block + vertices * 8);
+    keys = (uint64_t *)(void *)(volume + vertices);
+    same = (uint32_t *)(void *)(keys + vertices);
     piece = same + vertices;
 
     for (uint64_t v = 0; v < vertices; v++) same[v] = (uint32_t)v;
     bvxi_pieces(&view, same, piece);
     pieces = piece_volumes(&view, piece, volume, &total);
-    if (pieces > job->report.before.components) {
-        job->report.crumbs =
-            mark_crumbs(piece, vertices, pieces - job->report.before.components, CRUMB_SHARE * total, volume);
-        if (job->report.crumbs != 0) drop_pieces(surface, piece, volume);
-    }
+    if (pieces > job->report.before.components)
+        status =
+            mark_crumbs(job, piece, vertices, pieces, CRUMB_SHARE * total, volume, keys, piece + vertices);
+    if (status == BVX_OK && job->report.crumbs != 0) drop_pieces(surface, piece, volume);
     bvxi_free(job->ctx, block, bytes);
-    return BVX_OK;
+    return status;
 }
 
 /* ---- Levels ---- */
@@ -382,30 +388,78 @@ static bvx_status simplify_measured(levels_job *job, const bvx_mesh_view *welded
     return status;
 }
 
-static bvx_status levels_steps(levels_job *job, const bvx_mesh_view *welded)
+/* What a certificate says against simplifying the mesh as it is. */
+static int32_t reason_of(const bvx_certificate *c)
+{
+    if (!c->closed) return BVX_MEASURED_OPEN;
+    if (!c->edge_manifold || !c->vertex_manifold) return BVX_MEASURED_MANIFOLD;
+    if (!c->oriented) return BVX_MEASURED_FLIPPED;
+    return c->degenerate != 0 ? BVX_MEASURED_FLAT : BVX_MEASURED_NOT;
+}
+
+/* The reason to measure the mesh, or none: only then is it asked whether it crosses itself, which takes
+ * longest. */
+static bvx_status choose_source(levels_job *job, const bvx_mesh_view *welded)
 {
     const bvx_levels_options *const o = job->options;
+    const bvx_certificate *const c = &job->report.before;
+    int32_t *const reason = &job->report.reason;
+
+    *reason = BVX_MEASURED_NOT;
+    if (o->source == BVX_LEVELS_MESH) return BVX_OK;
+    *reason = o->source == BVX_LEVELS_MEASURED || wants_measured(o) ? BVX_MEASURED_ASKED : reason_of(c);
+    if (*reason != BVX_MEASURED_NOT) return BVX_OK;
+
+    /* The measured surface of a large scan has fewer triangles to collapse, and none of the tiny handles that
+     * scans have. */
+    if (c->triangles > SHARP_MOST &&
+        c->triangles / SCAN_RATIO > finest_of(o, job->chain.count, c->triangles)) {
+        *reason = BVX_MEASURED_LARGE;
+        return BVX_OK;
+    }
+    BVXI_TRY(bvx_mesh_crossings(job->ctx, welded, &job->report.crossings, NULL, 0));
+    if (job->report.crossings != 0) *reason = BVX_MEASURED_CROSSINGS;
+    return BVX_OK;
+}
+
+/* A few crossings, as scans have them, are often gone with the triangles that cross: levels that have none
+ * are kept, and the reason to measure is gone too. */
+static bvx_status try_as_it_is(levels_job *job, const bvx_mesh_view *welded)
+{
+    uint64_t crossings = 0;
+
+    job->chain.collapse.lenient = 1;
+    BVXI_TRY(simplify_as_it_is(job, welded));
+    job->chain.collapse.lenient = 0;
+
+    for (uint64_t i = 0; i < job->chain.count && crossings == 0; i++) {
+        bvx_mesh_view level;
+
+        bvx_mesh_view_of(&job->chain.levels[i], &level);
+        BVXI_TRY(bvx_mesh_crossings(job->ctx, &level, &crossings, NULL, 0));
+    }
+    if (crossings == 0)
+        job->report.reason = BVX_MEASURED_NOT;
+    else
+        bvxi_levels_drop(job->ctx, job->chain.levels, job->chain.count);
+    return BVX_OK;
+}
+
+static bvx_status levels_steps(levels_job *job, const bvx_mesh_view *welded)
+{
     bvx_certificate *const c = &job->report.before;
-    uint64_t crossings;
 
     BVXI_TRY(bvx_mesh_check(job->ctx, welded, 0, c));
     if (c->triangles == c->degenerate)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
                          levels_name, job->mesh->triangle_count);
 
-    if (o->source == BVX_LEVELS_MESH) return simplify_as_it_is(job, welded);
-    if (o->source == BVX_LEVELS_MEASURED || wants_measured(o) || !c->closed || !c->edge_manifold ||
-        !c->vertex_manifold || !c->oriented || c->degenerate != 0)
-        return simplify_measured(job, welded);
-
-    /* The measured surface of a large scan has fewer triangles to collapse, and none of the tiny handles that
-     * scans have. */
-    if (c->triangles > SHARP_MOST && c->triangles / SCAN_RATIO > finest_of(o, job->chain.count, c->triangles))
-        return simplify_measured(job, welded);
-
-    BVXI_TRY(bvx_mesh_crossings(job->ctx, welded, &crossings, NULL, 0));
-    job->report.crossings = crossings;
-    return crossings != 0 ? simplify_measured(job, welded) : simplify_as_it_is(job, welded);
+    BVXI_TRY(choose_source(job, welded));
+    if (job->report.reason == BVX_MEASURED_CROSSINGS)
+        BVXI_TRY(try_as_it_is(job, welded));
+    else if (job->report.reason == BVX_MEASURED_NOT)
+        return simplify_as_it_is(job, welded);
+    return job->report.reason == BVX_MEASURED_NOT ? BVX_OK : simplify_measured(job, welded);
 }
 
 static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
@@ -460,6 +514,7 @@ bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
     BVXI_TRY(bvxi_view_bounds(context, levels_name, mesh, low, high));
     status = bvxi_welded_view(context, mesh, &welded, &corner);
     if (status == BVX_OK) status = levels_steps(&job, &welded);
+    if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
     bvxi_free(context, corner, mesh->triangle_count * 12);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;
     return status;

@@ -8,7 +8,7 @@
 #include "core/core.h"
 #include "simplify/corners.h"
 
-#if defined(__SSE2__)
+#if defined(__SSE2__) && defined(__GNUC__)
 #include <immintrin.h>
 #endif
 
@@ -76,7 +76,7 @@ static inline void bvxi_box_join(bvxi_box *box, const bvxi_box *other)
 
 /* A box to compare eight others with at once. */
 typedef struct bvxi_box_query {
-#if defined(__SSE2__)
+#if defined(__SSE2__) && defined(__GNUC__)
     __m128i low[3], high[3];
 #else
     bvxi_box box;
@@ -86,7 +86,7 @@ typedef struct bvxi_box_query {
 static inline bvxi_box_query bvxi_box_ask(const bvxi_box *box)
 {
     bvxi_box_query q;
-#if defined(__SSE2__)
+#if defined(__SSE2__) && defined(__GNUC__)
     for (int a = 0; a < 3; a++) {
         q.low[a] = _mm_set1_epi16(box->low[a]);
         q.high[a] = _mm_set1_epi16(box->high[a]);
@@ -100,7 +100,7 @@ static inline bvxi_box_query bvxi_box_ask(const bvxi_box *box)
 /* Bit k: child k of the node overlaps the box. Every x86-64 has SSE2, whose way gives the same bits. */
 static inline uint32_t bvxi_box_overlaps(const bvxi_box_node *node, const bvxi_box_query *q)
 {
-#if defined(__SSE2__)
+#if defined(__SSE2__) && defined(__GNUC__)
     __m128i apart = _mm_setzero_si128();
 
     for (int a = 0; a < 3; a++) {

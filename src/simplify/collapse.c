@@ -9,8 +9,8 @@
  * and the boxes and the queue are made anew, so that memory is walked in the order of space and edges that
  * were refused come back.
  *
- * Guarantee: every state is closed, edge- and vertex-manifold, oriented and, where the mesh given was, without
- * crossing triangles; sequential, doubles with + - x / sqrt alone: the same mesh everywhere. */
+ * Guarantee: every state is closed, edge- and vertex-manifold, oriented and, where the mesh given was,
+ * without crossing triangles; sequential, doubles with + - x / sqrt alone: the same mesh everywhere. */
 #include "simplify/simplify.h"
 #include "mesh/mesh.h"
 #include "mesh/radix.h"
@@ -25,9 +25,9 @@ enum {
     COLLAPSE_REPORT = 1024,   /* edges that are tried between two reports of progress */
     COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
 
-    /* While more than so many times the target are left, and more triangles than a cache holds, edges are taken in batches
-     * that lie together: measured 1.7 times faster, and 2 % further from the original where the order by cost is
-     * given up altogether, nothing where its last third is kept. */
+    /* While more than so many times the target are left, and more triangles than a cache holds, edges are
+     * taken in batches that lie together: measured 1.7 times faster, and 2 % further from the original where
+     * the order by cost is given up altogether, nothing where its last third is kept. */
     COLLAPSE_FAR = 3,
     COLLAPSE_NEAR = 65536,
     COLLAPSE_BATCH = 512,
@@ -59,15 +59,10 @@ typedef struct quadric {
     double a[6], b[3], c;
 } quadric;
 
-/* Nearest value of the type that positions have in the result. Volatile: gcc 12 at -O3 leaves the rounding out where it
- * makes vectors of several coordinates, and a position that is rounded later may cross what it did not. */
+/* Nearest value of the type that positions have in the result. */
 static double rounded(const bvxi_collapse *c, double x)
 {
-    float volatile nearest;
-
-    if (c->options.position_type != BVX_F32) return x;
-    nearest = (float)x;
-    return (double)nearest;
+    return c->options.position_type == BVX_F32 ? bvxi_nearest_float(x) : x;
 }
 
 /* A d + b: half the gradient at d. */
@@ -107,8 +102,8 @@ static void join_quadrics(const bvxi_corner_vertex *u, const bvxi_corner_vertex 
     for (int i = 0; i < 3; i++) q->c += offset[i] * (g[i] + other.b[i]);
 }
 
-/* Solve A step = -g by elimination with the largest remaining diagonal first, which keeps small eigenvalues apart
- * from rounding; 0: A is singular within it. */
+/* Solve A step = -g by elimination with the largest remaining diagonal first, which keeps small eigenvalues
+ * apart from rounding; 0: A is singular within it. */
 static int solve_least(const double packed[6], const double g[3], double step[3])
 {
     double a[3][4] = {{packed[0], packed[1], packed[2], -g[0]},
@@ -486,7 +481,8 @@ static uint64_t mark_used(collapse_order *o)
 
 static bvx_status open_vertices(bvxi_collapse *c)
 {
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.at, "the vertices", &c->mesh.at));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.at, "the vertices",
+                        &c->mesh.at));
     return bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.facing,
                            "what vertices face", &c->mesh.facing);
 }

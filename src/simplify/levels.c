@@ -159,8 +159,8 @@ static bvx_status measure_share(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return status;
 }
 
-/* Triangles for the next try: errors grow about as triangles become fewer, so half while the error is far, a tenth
- * when it is near. */
+/* Triangles for the next try: errors grow about as triangles become fewer, so half while the error is far, a
+ * tenth when it is near. */
 static uint64_t next_try(uint64_t triangles, double part)
 {
     double const share = part < 0.5 ? 0.5 : part > 0.9 ? 0.9 : part;
@@ -177,7 +177,8 @@ static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mes
         memset(made, 0, sizeof *made);
         return BVX_OK;
     }
-    BVXI_TRY(bvxi_mesh_open(ctx, c->function, made->position_type, 0, made->vertex_count, made->triangle_count, level));
+    BVXI_TRY(bvxi_mesh_open(ctx, c->function, made->position_type, 0, made->vertex_count,
+                            made->triangle_count, level));
     memcpy(level->positions, made->positions, (size_t)made->vertex_count * vertex_bytes);
     memcpy(level->triangles, made->triangles, (size_t)made->triangle_count * 12);
     return BVX_OK;

@@ -62,7 +62,7 @@ typedef struct sharp_box {
 
 static double as_written(const bvxi_march *m, double x)
 {
-    return m->options.position_type == BVX_F32 ? (double)(float)x : x;
+    return m->options.position_type == BVX_F32 ? bvxi_nearest_float(x) : x;
 }
 
 static void open_box(const bvxi_sharp_work *w, const bvxi_cell_walk *c, sharp_box *box)
