@@ -2040,9 +2040,9 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  *
  * Returns BVX_ERR_ARGUMENT (also: the mesh is not what is needed, with an edge), BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (strict: a
  * level that cannot be made; coordinates), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. After a failure no level
- * is left. The order of vertices and triangles of the mesh does not change the result.
- * Memory: at most 170 bytes a triangle and 300 KB; without indices, where vertices are three times as many as they are once welded,
- * 370 bytes a triangle. Cost: O(triangles), some microseconds for each that goes.
+ * is left. The order of vertices and triangles of the mesh does not change levels by count; levels by error are measured at points
+ * that follow it.
+ * Memory: at most 160 bytes a triangle and 300 KB. Cost: O(triangles), some microseconds for each that goes.
  * Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; Liu, Rahimzadeh, Zordan. Controlling
  * Quadric Error Simplification with Line Quadrics. 2025.
  */

@@ -59,10 +59,15 @@ typedef struct quadric {
     double a[6], b[3], c;
 } quadric;
 
-/* Nearest value of the type that positions have in the result. */
+/* Nearest value of the type that positions have in the result. Volatile: gcc 12 at -O3 leaves the rounding out where it
+ * makes vectors of several coordinates, and a position that is rounded later may cross what it did not. */
 static double rounded(const bvxi_collapse *c, double x)
 {
-    return c->options.position_type == BVX_F32 ? (double)(float)x : x;
+    float volatile nearest;
+
+    if (c->options.position_type != BVX_F32) return x;
+    nearest = (float)x;
+    return (double)nearest;
 }
 
 /* A d + b: half the gradient at d. */
@@ -461,16 +466,29 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
     return order_triangles(c, o);
 }
 
-/* Mark the vertices that triangles use. */
-static void mark_used(collapse_order *o)
+/* Mark the vertices that triangles use; returns how many. */
+static uint64_t mark_used(collapse_order *o)
 {
+    uint64_t used = 0;
+
     for (uint64_t v = 0; v < o->view->vertex_count; v++) o->rank[v] = UINT32_MAX;
     for (uint64_t t = 0; t < o->view->triangle_count; t++) {
         uint32_t v[3];
 
         bvxi_view_triangle(o->view, t, v);
-        for (int k = 0; k < 3; k++) o->rank[v[k]] = 0;
+        for (int k = 0; k < 3; k++) {
+            used += o->rank[v[k]] != 0;
+            o->rank[v[k]] = 0;
+        }
     }
+    return used;
+}
+
+static bvx_status open_vertices(bvxi_collapse *c)
+{
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.at, "the vertices", &c->mesh.at));
+    return bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.facing,
+                           "what vertices face", &c->mesh.facing);
 }
 
 static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const double low[3], double size)
@@ -488,8 +506,9 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     o.index = (uint32_t *)(void *)(o.key + items);
     o.rank = o.index + items;
 
-    mark_used(&o);
-    status = take_mesh(c, &o);
+    c->begun_vertices = mark_used(&o);
+    status = open_vertices(c);
+    if (status == BVX_OK) status = take_mesh(c, &o);
     bvxi_free(c->ctx, block, bytes);
     return status;
 }
@@ -596,14 +615,9 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     c->boxes.scale = size > 0 ? BVXI_BOX_HIGHEST / size : 0;
     c->scale = size > 0 ? 1 / size : 1;
 
-    c->begun_vertices = c->mesh.vertices = mesh->vertex_count;
     c->begun_triangles = c->mesh.triangles = mesh->triangle_count;
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.at, "the vertices",
-                        &c->mesh.at));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_triangles * sizeof *c->mesh.triangle, "the triangles",
                         &c->mesh.triangle));
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.facing,
-                             "what vertices face", &c->mesh.facing));
     BVXI_TRY(order_mesh(c, mesh, low, size));
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh));
     BVXI_TRY(start_quadrics(c));

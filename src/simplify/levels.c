@@ -1,9 +1,10 @@
 /* levels.c - a chain of levels by triangle count, by error or by halving, each continued from the one before.
  *
- * A level by error is found by going on in steps of a sixth of the triangles and measuring each: the last one
- * that keeps the error is the level, and the chain goes on from the first one that does not. */
+ * A level by error is found by going on in steps and measuring each: the last one that keeps the error is the
+ * level, and the chain goes on from the first one that does not. */
 #include "simplify/levels.h"
 #include "core/angle.h"
+#include "mesh/mesh.h"
 
 #include <math.h>
 
@@ -142,9 +143,9 @@ static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *
     return bvxi_collapse_give(collapse, &c->levels[i]);
 }
 
-/* Give the mesh as it is now to level i when it keeps the error; *kept tells. */
-static bvx_status keep_when_near(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
-                                 int *kept)
+/* *part becomes the share of the error that the mesh as it is now takes up: 1 or less keeps it. */
+static bvx_status measure_share(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                                double *part)
 {
     uint64_t const samples = c->measure_samples != 0 ? c->measure_samples : LEVEL_ERROR_SAMPLES;
     bvx_distance_report d;
@@ -152,32 +153,69 @@ static bvx_status keep_when_near(bvx_context *ctx, bvxi_level_chain *c, uint64_t
     bvx_status status = bvxi_collapse_give(collapse, &now);
 
     if (status == BVX_OK) status = measure_level(ctx, c, &now, samples, &d);
-    *kept = status == BVX_OK && (c->error_kind == BVX_ERROR_MEAN ? d.mean : d.max) <= c->target_errors[i];
+    *part = 2;
+    if (status == BVX_OK) *part = (c->error_kind == BVX_ERROR_MEAN ? d.mean : d.max) / c->target_errors[i];
     bvx_mesh_free(ctx, &now);
     return status;
 }
 
-static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
-                                int *met)
+/* Triangles for the next try: errors grow about as triangles become fewer, so half while the error is far, a tenth
+ * when it is near. */
+static uint64_t next_try(uint64_t triangles, double part)
+{
+    double const share = part < 0.5 ? 0.5 : part > 0.9 ? 0.9 : part;
+    return (uint64_t)((double)triangles * share);
+}
+
+/* Hand a mesh over to a level: as it is, or into arrays of the caller's. */
+static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mesh *made, bvx_mesh *level)
+{
+    size_t const vertex_bytes = made->position_type == BVX_F64 ? 24 : 12;
+
+    if (level->positions == NULL && level->triangles == NULL) {
+        *level = *made;
+        memset(made, 0, sizeof *made);
+        return BVX_OK;
+    }
+    BVXI_TRY(bvxi_mesh_open(ctx, c->function, made->position_type, 0, made->vertex_count, made->triangle_count, level));
+    memcpy(level->positions, made->positions, (size_t)made->vertex_count * vertex_bytes);
+    memcpy(level->triangles, made->triangles, (size_t)made->triangle_count * 12);
+    return BVX_OK;
+}
+
+/* The last mesh on the way down that keeps the error of level i; the first one where none does. */
+static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                                bvx_mesh *found, int *met)
 {
     uint64_t before;
-    int kept = 1;
+    double part;
 
     *met = 0;
     do {
         bvx_mesh made = {0};
 
-        BVXI_TRY(keep_when_near(ctx, c, i, collapse, &kept));
-        if (!kept && *met) break;
+        BVXI_TRY(measure_share(ctx, c, i, collapse, &part));
+        if (part > 1 && *met) break;
         BVXI_TRY(bvxi_collapse_give(collapse, &made));
-        if (c->levels[i].owned) bvx_mesh_free(ctx, &c->levels[i]);
-        c->levels[i] = made;
-        *met = kept;
+        bvx_mesh_free(ctx, found);
+        *found = made;
+        *met = part <= 1;
 
         before = bvxi_collapse_triangles(collapse);
-        BVXI_TRY(bvxi_collapse_to(collapse, before - before / 6, 0, 1));
-    } while (kept && bvxi_collapse_triangles(collapse) < before);
+        BVXI_TRY(bvxi_collapse_to(collapse, next_try(before, part), 0, 1));
+    } while (part <= 1 && bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
+}
+
+static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                                int *met)
+{
+    bvx_mesh found = {0};
+    bvx_status status = find_by_error(ctx, c, i, collapse, &found, met);
+
+    if (status == BVX_OK) status = hand_over(ctx, c, &found, &c->levels[i]);
+    bvx_mesh_free(ctx, &found);
+    return status;
 }
 
 static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,

@@ -172,6 +172,8 @@ static int is_corner(const double p[3])
 }
 
 /* Finely divided, a shape comes down to the fewest triangles that have its corners, and these are where they were. */
+static double off; /* of the last shape that came down */
+
 static int comes_down_exactly(const level_shape *s, int32_t type, double even)
 {
     bvx_mesh_view level_view, view;
@@ -192,6 +194,7 @@ static int comes_down_exactly(const level_shape *s, int32_t type, double even)
     }
     snprintf(where, sizeof where, "%s, type %d, even %g: %lu triangles in place of %lu, at most %g off", s->name, (int)type, even,
              (unsigned long)level[0].triangle_count, (unsigned long)s->fewest, d.max);
+    off = d.max;
     return exact && level[0].triangle_count == s->fewest && d.max < 1e-12;
 }
 
@@ -206,24 +209,30 @@ static void test_planes_come_down_to_their_corners(void)
         }
 }
 
-/* Not so yet; passes when it is. */
+/* Sides that meet at a sharp angle, and sides of hardly any area. */
 static void test_planes_that_meet_at_ten_degrees_keep_their_corners(void)
 {
     for (int32_t type = BVX_F32; type <= BVX_F64; type++)
-        if (!comes_down_exactly(shape_named("wedge of 10 degrees"), type, 0)) TEST_IGNORE_MESSAGE(where);
+        TEST_ASSERT_TRUE_MESSAGE(comes_down_exactly(shape_named("wedge of 10 degrees"), type, 0), where);
 }
 
 static void test_a_thin_plate_keeps_its_corners(void)
 {
     for (int32_t type = BVX_F32; type <= BVX_F64; type++)
-        if (!comes_down_exactly(shape_named("thin plate"), type, 0)) TEST_IGNORE_MESSAGE(where);
+        TEST_ASSERT_TRUE_MESSAGE(comes_down_exactly(shape_named("thin plate"), type, 0), where);
 }
 
+/* The default pull moves corners by little: most where sides have hardly any area, as a thin plate has. */
 static void test_planes_keep_their_corners_by_default(void)
 {
     bvx_simplify_options const o = defaults();
-    for (int n = 0; n < LEVEL_SHAPES; n++)
-        if (level_shapes[n].fewest != 0 && !comes_down_exactly(&level_shapes[n], BVX_F64, o.even)) TEST_IGNORE_MESSAGE(where);
+
+    for (int n = 0; n < LEVEL_SHAPES; n++) {
+        if (level_shapes[n].fewest == 0) continue;
+        if (comes_down_exactly(&level_shapes[n], BVX_F64, o.even)) continue;
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(level_shapes[n].fewest, level[0].triangle_count, where);
+        TEST_ASSERT_TRUE_MESSAGE(off < 5e-5, where);
+    }
 }
 
 /* ---- Every order and type of the input ---- */
@@ -293,25 +302,23 @@ static void test_order_and_types_of_the_input_do_not_matter(void)
 }
 
 /* Not so yet: distances are of points that are drawn triangle by triangle. */
-static void test_order_does_not_matter_to_levels_by_error(void)
+/* Samples follow the order of the triangles, so another order may stop a step earlier or later; the error is kept in each. */
+static void test_levels_by_error_keep_it_in_every_order(void)
 {
     bvx_simplify_options o = defaults();
-    int differ = 0;
+
     o.measure_samples = 100;
     for (int n = 1; n < 12; n++) {
         double const error = 0.02 * n;
-        uint64_t hash[2] = {0, 0};
+
         make_shape(shape_named("dented torus"));
         o.target_errors = &error;
         for (int way = 0; way < 2; way++) {
             simplify(&o, 1);
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &level[0], &hash[way]));
+            TEST_ASSERT_TRUE(report[0].met && report[0].distance.mean <= error);
             maker_shuffle_triangles(&mesh, &seed);
         }
-        differ += hash[0] != hash[1];
     }
-    snprintf(where, sizeof where, "%d of 11 levels by error differ by the order of the triangles", differ);
-    if (differ != 0) TEST_IGNORE_MESSAGE(where);
 }
 
 static void test_threads_do_not_matter(void)
@@ -718,13 +725,13 @@ static void test_memory_is_as_the_header_says(void)
 {
     double fixed, bytes = bytes_a_triangle(0, 0, &fixed);
     snprintf(where, sizeof where, "%.1f bytes a triangle and %.0f", bytes, fixed);
-    TEST_ASSERT_TRUE_MESSAGE(bytes > 120 && bytes <= 170 && fixed <= 300000, where);
+    TEST_ASSERT_TRUE_MESSAGE(bytes > 120 && bytes <= 160 && fixed <= 300000, where);
     bytes = bytes_a_triangle(0, 1, &fixed);
     snprintf(where, sizeof where, "%.1f bytes a triangle and %.0f with reports", bytes, fixed);
-    TEST_ASSERT_TRUE_MESSAGE(bytes <= 170 && fixed <= 300000, where);
+    TEST_ASSERT_TRUE_MESSAGE(bytes <= 160 && fixed <= 300000, where);
     bytes = bytes_a_triangle(1, 0, &fixed);
     snprintf(where, sizeof where, "%.1f bytes a triangle and %.0f without indices", bytes, fixed);
-    TEST_ASSERT_TRUE_MESSAGE(bytes > 170 && bytes <= 370 && fixed <= 300000, where);
+    TEST_ASSERT_TRUE_MESSAGE(bytes <= 160 && fixed <= 300000, where);
 }
 
 int main(void)
@@ -740,7 +747,7 @@ int main(void)
     RUN_TEST(test_a_thin_plate_keeps_its_corners);
     RUN_TEST(test_planes_keep_their_corners_by_default);
     RUN_TEST(test_order_and_types_of_the_input_do_not_matter);
-    RUN_TEST(test_order_does_not_matter_to_levels_by_error);
+    RUN_TEST(test_levels_by_error_keep_it_in_every_order);
     RUN_TEST(test_threads_do_not_matter);
     RUN_TEST(test_far_from_the_origin);
     RUN_TEST(test_neither_target_halves);

@@ -80,7 +80,10 @@ def test_errors_are_kept(knot):
     assert by_share == by_units and by_share.report.met and by_share.report.measured
     assert by_share.report.distance.mean <= 0.001 * diagonal
     assert bitvox.compare(knot, by_share, samples=30000).mean == pytest.approx(by_share.report.distance.mean, rel=0.05)
+    usual = knot.simplify(error="0.1%")
+    assert usual.report.measured and usual.report.distance.samples == 20000 and not knot.simplify(triangles=900).report.measured
     worst = knot.simplify(error="0.1%", error_kind="max")
+    assert worst.report.distance.max <= 0.001 * diagonal
     assert worst.n_faces > by_share.n_faces
     near, far = knot.simplify(error=["0.05%", 0.05])
     assert near.n_faces > far.n_faces and near.report.target_error == pytest.approx(0.0005 * diagonal)
@@ -109,7 +112,7 @@ def test_targets_that_cannot_be_kept(ball):
 def test_meshes_that_simplify_refuses(ball):
     torn = bitvox.Mesh(ball.vertices, np.asarray(ball.faces)[3:])
     turned = bitvox.Mesh(ball.vertices, np.concatenate((np.asarray(ball.faces)[:1, ::-1], np.asarray(ball.faces)[1:])))
-    for mesh, words in ((torn, "edge"), (turned, "edge")):
+    for mesh, words in ((torn, "edge .*bitvox.repair"), (turned, "edge .*bitvox.repair")):
         with pytest.raises(bitvox.ArgumentError, match=words):
             mesh.simplify(triangles=100)
         for level in bitvox.lod(mesh, triangles=(200, 60)):
@@ -324,3 +327,10 @@ def test_boolean_and_sections_to_a_target(knot):
     assert certified(small).triangles < body.n_faces / 2 and type(small.report) is reports.SectionsReport
     with pytest.raises(bitvox.ArgumentError, match="open"):
         bitvox.from_sections(loops, caps="open", triangles=100)
+    volume = bitvox.Volume(bitvox.voxelize(knot, resolution=60, padding=4).distance("signed"))
+    assert certified(volume.surface(0.0, below=True, triangles=2000)).triangles <= 2000
+    for options in ({"keys": True}, {"open_sides": "x-low"}):
+        with pytest.raises(bitvox.ArgumentError, match="merge"):
+            volume.surface(0.0, triangles=2000, **options)
+    with pytest.raises(bitvox.ArgumentError, match="error_kind .* error"):
+        volume.surface(0.0, error_kind="max")

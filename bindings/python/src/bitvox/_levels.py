@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 ERROR_KINDS = ("mean", "max")
 SOURCES = ("auto", "mesh", "measured")
 METHODS = ("collapse", "edge-ratio", "coverage")
+ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
 HALVINGS, FEWEST = 4, 20  # levels by halving where none are asked for, and triangles that the last one has at least
 
 Distance = Union[float, str]
@@ -173,7 +174,8 @@ def simplify(
         count: so many levels, each with half of the triangles of the one before. With none of these: one level of half.
         even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
         strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
-        samples: measure the distances between mesh and level from so many points a side, for the report; 0 or None: they are not.
+        samples: measure the distances between mesh and level from so many points a side, for the report. Default:
+            20000 with ``error``, else 0: they are not.
         carry: give the result the colours and texture coordinates of the nearest points on the mesh.
         dtype: float32 or float64; None: the mesh's own.
 
@@ -189,7 +191,7 @@ def simplify(
     options = options_of("simplify_options")
     single = count is None and not _many(triangles) and not _many(error)
     targets = _Targets(options, source, triangles, error, error_kind, 1 if single and triangles is None and error is None else count)
-    _set_common(options, even, strict, samples, dtype)
+    _set_common(options, even, strict, error, samples, dtype)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
 
     # About its own frame, so that float32 stays float32; the frame goes to the levels.
@@ -210,12 +212,14 @@ def simplify(
     return levels[0] if single else list(levels)
 
 
-def _set_common(options: Any, even: float | None, strict: bool, samples: int | None, dtype: Any) -> None:
-    """What simplify_options and levels_options share."""
+def _set_common(options: Any, even: float | None, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
+    """What simplify_options and levels_options share. Levels by error are measured anyhow: the report tells what decided."""
+    if samples is None:
+        samples = 0 if error is None else ERROR_SAMPLES
     if even is not None:
         options.even = float(even)
     options.strict = int(bool(strict))
-    options.measure_samples = 0 if samples is None else in_range("samples", samples, 0, 2**31 - 1)
+    options.measure_samples = in_range("samples", samples, 0, 2**31 - 1)
     options.position_type = 0 if dtype is None else position_type(dtype)
 
 
@@ -311,7 +315,8 @@ def lod(
         least_part, least_cavity: measured: smaller pieces are dropped, smaller cavities filled [voxels].
         even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
         strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
-        samples: measure the distances between source and level from so many points a side, for the reports; 0 or None: they are not.
+        samples: measure the distances between source and level from so many points a side, for the reports. Default:
+            20000 with ``error``, else 0: they are not.
         levels: the paper's methods: samples along the longest axis of each level, or triples along x, y, z. Default (64, 32, 16).
         threshold: the paper's methods: a sample above it is inside, between 0 and 1. Default 0.5.
         edge_samples: "edge-ratio": steps along an edge. Default: the ratio, rounded up.
@@ -351,7 +356,7 @@ def lod(
     mesh = surface(source, **limits) if is_grid else Mesh.of(source)
     options = options_of("levels_options")
     targets = _Targets(options, mesh, triangles, error, error_kind, count)
-    _set_common(options, even, strict, samples, dtype)
+    _set_common(options, even, strict, error, samples, dtype)
     options.source = choice("made_from", "auto" if made_from is None else made_from, "BVX_LEVELS_", SOURCES)
     if lattice is not None:
         if resolution is not None:

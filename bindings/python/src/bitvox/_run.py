@@ -27,6 +27,7 @@ class _Settings(NamedTuple):
 
 _settings: contextvars.ContextVar[_Settings] = contextvars.ContextVar("bitvox", default=_Settings())
 _forked = False
+_REMEDIES = {"bvx_repair": "bitvox.repair", "bvx_build_levels": "bitvox.lod", "bvx_grid_distance": "Grid.distance"}
 
 
 def _after_fork() -> None:
@@ -146,10 +147,13 @@ class Run:
         self.kept.append(things)
 
     def message(self) -> str:
-        """What was wrong, without the name of the C function before it."""
+        """What was wrong, without the name of the C function before it; functions that are a remedy have their names here."""
         text = ffi.string(lib.bvx_last_message(self.context)).decode("utf-8", "replace")
         name, colon, words = text.partition(": ")
-        return words if colon and name.startswith("bvx_") and name.isidentifier() else text
+        words = words if colon and name.startswith("bvx_") and name.isidentifier() else text
+        for theirs, ours in _REMEDIES.items():
+            words = words.replace(theirs, ours)
+        return words
 
     def check(self, status: int) -> None:
         """Raise what a status other than 0 stands for."""
