@@ -210,6 +210,19 @@ static void warn_of_surface(cli_run *run, const cli_collapse_run *c)
     }
 }
 
+/* Handles never close, so many of them are what a level sticks at. */
+static void warn_of_count(cli_run *run, const bvx_level_report *l, const char *what)
+{
+    int64_t const handles = (int64_t)l->certificate.components - l->certificate.euler / 2;
+    char kept[64] = "";
+
+    if (handles > 0) snprintf(kept, sizeof kept, " with its %" PRId64 " handle%s", handles, handles == 1 ? "" : "s");
+    cli_warn(run,
+             "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64
+             " are the fewest that collapsing edges leaves sound%s",
+             what, l->target, l->triangles, kept);
+}
+
 static void warn_of_level(cli_run *run, const cli_collapse_run *c, int i)
 {
     const bvx_level_report *const l = &c->level[i];
@@ -234,10 +247,7 @@ static void warn_of_level(cli_run *run, const cli_collapse_run *c, int i)
         cli_warn(run, "%s cannot keep its target: what it is made from lies further than %.4g from the input",
                  what, l->target_error);
     else
-        cli_warn(run,
-                 "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64
-                 " are the fewest that collapsing edges leaves sound",
-                 what, l->target, l->triangles);
+        warn_of_count(run, l, what);
 }
 
 /* ---- The end ---- */

@@ -102,7 +102,7 @@ static const cli_argument arguments[] = {
     FROM_TO("--even", "W", MAKES_LEVELS, even, 0, 1, "pull to triangles of even size where the surface is flat [1e-9]"),
     CHOICE("--source", "WHAT", CLI_LOD, source, source_names, BVX_LEVELS_AUTO,
            "what levels are made from. mesh: the mesh itself, which must be closed,\nmanifold and oriented; measured: its surface, measured as repair does;\n"
-           "auto: the mesh where that gives whole levels [auto; measured with\n--resolution, --sign, --least-part, --least-cavity, --outer-hull]"),
+           "auto: the mesh where it is that and does not cross itself [auto; measured with\n--resolution, --sign, --least-part, --least-cavity, --outer-hull]"),
     FLAG("--sharp", CLI_LOD, sharp, "of the measured surface: put vertices on sharp edges and corners"),
     FLAG("--no-sharp", CLI_LOD, no_sharp, "put none there [where many of the mesh's edges are sharp]"),
     FLAG("--outer-hull", CLI_LOD, outer_hull, "inner shells and cavities go"),
