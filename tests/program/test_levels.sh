@@ -141,7 +141,7 @@ why() { # WORDS, FILE, ARGUMENTS...
 why 'since it is open' holes.obj
 holds 'holes are counted' says '^holes closed: [0-9]+, the longest '
 why 'since some of its triangles are flipped' flipped.obj
-why 'since it crosses itself' two.obj
+why 'since it and its levels cross themselves' two.obj
 why 'as --source asks' "$knot" --source measured
 why 'as options ask' "$knot" --resolution 64
 holds '--resolution is heeded' says '^measured: 6[0-9] x 70 x 3[0-9] voxels, inside by winding; '
