@@ -52,8 +52,8 @@ static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c)
     return u != v;
 }
 
-/* An edge's second side may be refused as its third: each is named by the corner across it, in the messages
- * by its ends. */
+/* Join all corners across their edges. A refusal names the two ends of the first edge that has one side, three
+ * or more, or two that run the same way. */
 static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corners *m, edge_lists *lists)
 {
     int32_t const end = (int32_t)(4 * m->triangles);

@@ -55,6 +55,14 @@ void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count)
     }
 }
 
+/* Triangles that level i may have; 0 where an error decides. After 64 halvings nothing is left to halve. */
+static uint64_t target_of(const bvxi_level_chain *c, uint64_t i)
+{
+    if (c->target_errors != NULL) return 0;
+    if (c->target_triangles != NULL) return c->target_triangles[i];
+    return i < 63 ? c->halve_from >> (i + 1) : 0;
+}
+
 /* ---- Measures ---- */
 
 static bvx_status measure_level(bvx_context *ctx, const bvxi_level_chain *c, const bvx_mesh *level,
@@ -66,7 +74,7 @@ static bvx_status measure_level(bvx_context *ctx, const bvxi_level_chain *c, con
     return bvx_mesh_distance(ctx, c->original, &view, samples, LEVEL_SEED, d);
 }
 
-/* Cosine and sine of an angle between two sides, as lengths of its triangle; the smallest by its tangent. */
+/* The smallest angle of all triangles, from the dot and the cross product of the two sides at each corner. */
 static double smallest_angle(const bvx_mesh *level)
 {
     bvx_mesh_view view;
@@ -115,9 +123,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     memset(r, 0, sizeof *r);
     r->vertices = view.vertex_count;
     r->triangles = view.triangle_count;
-    r->target = c->target_triangles != NULL ? c->target_triangles[i]
-                : c->target_errors != NULL  ? 0
-                                            : c->halve_from >> (i + 1);
+    r->target = target_of(c, i);
     r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
     r->met = met;
     r->crossings = crossings;
@@ -135,8 +141,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
 static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, double from,
                                 double to, int *met)
 {
-    uint64_t const halved = i < 63 ? c->halve_from >> (i + 1) : 0;
-    uint64_t const target = c->target_triangles != NULL ? c->target_triangles[i] : halved;
+    uint64_t const target = target_of(c, i);
 
     BVXI_TRY(bvxi_collapse_to(collapse, target, from, to));
     *met = bvxi_collapse_triangles(collapse) <= target;

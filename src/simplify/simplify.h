@@ -18,8 +18,8 @@ typedef struct bvxi_collapse_counts {
 } bvxi_collapse_counts;
 
 /* Take a checked view of a closed, manifold, oriented mesh (BVX_ERR_ARGUMENT otherwise). The order of its
- * vertices and triangles does not matter where no two vertices are at one position. Scratch: 260 bytes a
- * triangle, until bvxi_collapse_close. */
+ * vertices and triangles does not matter where no two vertices are at one position. Scratch: 160 bytes a
+ * triangle and 300 KB, until bvxi_collapse_close. */
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                               const bvxi_collapse_options *options, bvxi_collapse **collapse);
 /* Collapse the cheapest edges until at most target triangles are left or none can go. from, to: share of

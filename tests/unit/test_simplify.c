@@ -399,6 +399,27 @@ static void test_neither_target_halves(void)
 }
 
 /* The first levels of a chain are those of a shorter chain, and its targets need not fall. */
+/* Beyond 63 halvings nothing is left of any count: the last levels are the smallest mesh, and none is met. */
+static void test_more_halvings_than_a_count_has_bits(void)
+{
+    static bvx_mesh many[70];
+    static bvx_level_report told[70];
+    bvx_simplify_options o = defaults();
+    bvx_mesh_view view;
+
+    make_shape(shape_named("cube"));
+    view = maker_view(&mesh);
+    o.reports = told;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 70, many));
+    TEST_ASSERT_EQUAL_UINT64(mesh.triangles / 2, told[0].target);
+    for (int i = 62; i < 70; i++) {
+        TEST_ASSERT_EQUAL_UINT64(0, told[i].target);
+        TEST_ASSERT_EQUAL_INT32(0, told[i].met);
+        TEST_ASSERT_EQUAL_UINT64(4, many[i].triangle_count);
+    }
+    for (int i = 70; i-- > 0;) bvx_mesh_free(ctx, &many[i]);
+}
+
 static void test_a_chain_goes_on_from_level_to_level(void)
 {
     static const uint64_t targets[4] = {1500, 600, 600, 900};
@@ -751,6 +772,7 @@ int main(void)
     RUN_TEST(test_threads_do_not_matter);
     RUN_TEST(test_far_from_the_origin);
     RUN_TEST(test_neither_target_halves);
+    RUN_TEST(test_more_halvings_than_a_count_has_bits);
     RUN_TEST(test_a_chain_goes_on_from_level_to_level);
     RUN_TEST(test_a_target_of_all_gives_the_mesh_back);
     RUN_TEST(test_errors_are_kept_and_used);
