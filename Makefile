@@ -1,13 +1,14 @@
 # Makefile of bitvox; `make help` lists the targets.
 #
-# Needs a C compiler, GNU make and a POSIX shell. OpenMP and zlib (for the program alone) are used where a test compile
-# finds them; OPENMP=0 and ZLIB=0 leave them out. Objects live in a folder named after a hash of the compiler and its
+# Needs a C compiler, GNU make and a POSIX shell. Threads and zlib (for the program alone) are used where a test compile
+# finds them; THREADS=0 and ZLIB=0 leave them out. Objects live in a folder named after a hash of the compiler and its
 # flags, so other flags never mix with them: make CC=clang CFLAGS='-O0 -g' is always right, and so is going back.
 
 CFLAGS ?= -O3
 BUILD ?= build
 UNITY_DIR ?= $(BUILD)/unity
 OPENMP ?= 1
+THREADS ?= $(OPENMP)
 ZLIB ?= 1
 WERROR ?= 0
 PREFIX ?= /usr/local
@@ -19,14 +20,14 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo python test-python test test-quick test-machines deps deps-proof san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench install uninstall amalgamation clean force \
+.PHONY: all help demo python test-python test test-quick test-other test-machines deps deps-proof san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
-	@echo "  variables: CC CFLAGS CPPFLAGS LDFLAGS BUILD OPENMP=0 ZLIB=0 WERROR=1 V=1 (show commands)"
+	@echo "  variables: CC CFLAGS CPPFLAGS LDFLAGS BUILD THREADS=0 ZLIB=0 WERROR=1 V=1 (show commands)"
 	@echo "             PREFIX LIBDIR DESTDIR (install)"
 
 clean: ## remove everything that was built
@@ -51,10 +52,14 @@ ifneq ($(loose),)
 $(error $(loose) would change results; bitvox keeps its promises only without it)
 endif
 
-openmp :=
-ifneq ($(OPENMP),0)
-ifeq ($(call compiles,-fopenmp,'$(sharp)include <omp.h>' 'int main(void) { return omp_get_max_threads() < 1; }'),yes)
-openmp := -fopenmp
+# POSIX threads, and OpenMP's where there are none.
+workers :=
+ifneq ($(THREADS),0)
+ifeq ($(call compiles,-pthread,'$(sharp)include <pthread.h>' '$(sharp)if !defined(_REENTRANT) || defined(_WIN32)' '$(sharp)error none' \
+    '$(sharp)endif' 'int main(void) { return pthread_join(pthread_self()$(comma) 0) == 0; }'),yes)
+workers := -pthread
+else ifeq ($(call compiles,-fopenmp,'$(sharp)include <omp.h>' 'int main(void) { return omp_get_max_threads() < 1; }'),yes)
+workers := -fopenmp
 endif
 endif
 
@@ -74,7 +79,7 @@ exact := -ffp-contract=off $(call accepts,-mno-fma) $(call accepts,-fexcess-prec
 # enum-float-conversion: limits are enums here, and clang since 16 warns where one meets a double, which is exact.
 strict := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion $(call accepts,-Wno-enum-float-conversion)
 base := $(CPPFLAGS) $(CFLAGS) $(strict) $(exact) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc
-libs := $(openmp) -lm
+libs := $(workers) -lm
 
 # Before 1.0 a minor version may change the interface, so it is part of the soname.
 number = $(shell sed -n 's/^.define BVX_VERSION_$(1) //p' include/bitvox.h)
@@ -133,7 +138,7 @@ $(folder)/bitvox: $(cli_objects) $(archive)
 # CORE_FLAGS is for the core alone: counts of coverage without those of the tests' slow oracles.
 $(folder)/src/%: errors = -Werror
 $(folder)/src/%: flags = $(CORE_FLAGS)
-$(folder)/src/core/openmp.o: flags = $(openmp) $(CORE_FLAGS)
+$(folder)/src/core/threads.o $(folder)/src/core/processors.o: flags = $(workers) $(CORE_FLAGS)
 $(folder)/src/cli/%: flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads)
 
 $(folder)/%.o: %.c
@@ -195,6 +200,15 @@ $(BUILD)/bitvox.pc: include/bitvox.h force
 	echo 'Version: $(version)'; echo 'Cflags: -I$${includedir}'; echo 'Libs: -L$${libdir} -lbitvox'; \
 	echo 'Libs.private: $(strip $(libs))'; } >$@.made; cmp -s $@.made $@ || cp $@.made $@; rm -f $@.made
 
+# The same for find_package; a list of CMake has semicolons.
+empty :=
+cmake_files := $(BUILD)/bitvoxConfig.cmake $(BUILD)/bitvoxConfigVersion.cmake
+$(cmake_files): $(BUILD)/%: src/%.in include/bitvox.h force
+	@sed -e 's|@BITVOX_LIBS@|$(subst $(empty) ,;,$(strip $(libs)))|' -e 's|@CMAKE_INSTALL_FULL_INCLUDEDIR@|$(PREFIX)/include|' \
+	    -e 's|@PROJECT_VERSION@|$(version)|' -e 's|@PROJECT_VERSION_MAJOR@|$(call number,MAJOR)|' \
+	    -e 's|@PROJECT_VERSION_MINOR@|$(call number,MINOR)|' -e 's|@CMAKE_SIZEOF_VOID_P@||' $< >$@.made
+	@cmp -s $@.made $@ || cp $@.made $@; rm -f $@.made
+
 # What the program says about itself.
 pages := $(BUILD)/bitvox.1 $(BUILD)/bitvox.bash
 $(BUILD)/bitvox.1: $(BUILD)/bitvox
@@ -205,20 +219,23 @@ $(BUILD)/bitvox.bash: $(BUILD)/bitvox
 put = $(call say,INSTALL,$(DESTDIR)$(2)) mkdir -p $(call quote,$(DESTDIR)$(dir $(2))) && install -m $(3) $(1) $(call quote,$(DESTDIR)$(2))
 completions := $(PREFIX)/share/bash-completion/completions
 
-install: all $(BUILD)/bitvox.pc $(pages) ## library, header, bitvox.pc, program, man page, completion
+install: all $(BUILD)/bitvox.pc $(cmake_files) $(pages) ## library, header, bitvox.pc, CMake's files, program, man page, completion
 	$(call put,include/bitvox.h,$(PREFIX)/include/bitvox.h,644)
 	$(call put,$(BUILD)/libbitvox.a,$(LIBDIR)/libbitvox.a,644)
 	$(call put,$(BUILD)/libbitvox.so,$(LIBDIR)/libbitvox.so.$(version),755)
 	@ln -sf libbitvox.so.$(version) $(call quote,$(DESTDIR)$(LIBDIR)/$(soname))
 	@ln -sf $(soname) $(call quote,$(DESTDIR)$(LIBDIR)/libbitvox.so)
 	$(call put,$(BUILD)/bitvox.pc,$(LIBDIR)/pkgconfig/bitvox.pc,644)
+	$(call put,$(BUILD)/bitvoxConfig.cmake,$(LIBDIR)/cmake/bitvox/bitvoxConfig.cmake,644)
+	$(call put,$(BUILD)/bitvoxConfigVersion.cmake,$(LIBDIR)/cmake/bitvox/bitvoxConfigVersion.cmake,644)
 	$(call put,$(BUILD)/bitvox,$(PREFIX)/bin/bitvox,755)
 	$(call put,$(BUILD)/bitvox.1,$(PREFIX)/share/man/man1/bitvox.1,644)
 	$(call put,$(BUILD)/bitvox.bash,$(completions)/bitvox,644)
 
 uninstall: ## remove what install put there
 	rm -f $(addprefix $(DESTDIR),$(PREFIX)/include/bitvox.h $(addprefix $(LIBDIR)/,libbitvox.a libbitvox.so $(soname) \
-	    libbitvox.so.$(version) pkgconfig/bitvox.pc) $(PREFIX)/bin/bitvox $(PREFIX)/share/man/man1/bitvox.1 $(completions)/bitvox)
+	    libbitvox.so.$(version) pkgconfig/bitvox.pc cmake/bitvox/bitvoxConfig.cmake \
+	    cmake/bitvox/bitvoxConfigVersion.cmake) $(PREFIX)/bin/bitvox $(PREFIX)/share/man/man1/bitvox.1 $(completions)/bitvox)
 
 python: ## build/python/wheel: a wheel of the Python package (pip, which fetches what the build needs)
 	@mkdir -p $(BUILD)/python
@@ -227,12 +244,15 @@ python: ## build/python/wheel: a wheel of the Python package (pip, which fetches
 test-python: program ## the Python package alone, in a clean virtual environment
 	@BUILD=$(BUILD) PYTHON=$(PYTHON) BITVOX=$(abspath $(BUILD)/bitvox) sh tests/tools/test_python.sh
 
+packaging: all ## projects that use the library by find_package, add_subdirectory and FetchContent (CMake, Ninja)
+	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/packaging.sh
+
 amalgamation: ## build/bitvox.c and build/bitvox.h: the library as one source file
 	@sh src/amalgamate.sh $(BUILD) && echo "$(BUILD)/bitvox.c $(BUILD)/bitvox.h"
 
 # ---- Running ----
 
-environment = MAKE_COMMAND='$(MAKE_COMMAND)' $(foreach v,BUILD UNITY_DIR CC CPPFLAGS CFLAGS LDFLAGS OPENMP ZLIB,\
+environment = MAKE_COMMAND='$(MAKE_COMMAND)' $(foreach v,BUILD UNITY_DIR CC CPPFLAGS CFLAGS LDFLAGS OPENMP THREADS ZLIB,\
     $(v)=$(call quote,$($(v))))
 
 demo: all ## a chain of meshes from a bundled fixture, with a table and a picture
@@ -247,11 +267,14 @@ deps: ## install what the tests need (apt, as root)
 deps-proof: ## and what matrix, fuzz, coverage, mcdc, analyze, abi and the sanitizers need
 	@sh tests/tools/deps.sh proof
 
-test: deps ## all tests; ends with "N passed, N failed"
-	@$(environment) sh tests/tools/run_tests.sh full
+test: deps ## all tests of this machine and compiler; ends with "N passed, N failed"
+	@$(environment) sh tests/tools/run_tests.sh here
 
-test-quick: ## the tests of this machine and compiler alone
+test-quick: ## without the Python package
 	@$(environment) sh tests/tools/run_tests.sh quick
+
+test-other: deps ## other compilers, 32-bit x86, big-endian s390x, sanitizers (a quarter of an hour)
+	@$(environment) sh tests/tools/run_tests.sh other
 
 test-machines: deps ## every unit test on 32-bit x86 and big-endian s390x (long)
 	@$(environment) sh tests/tools/run_tests.sh machines
@@ -262,7 +285,7 @@ san: ## unit, fault and fuzz tests under ASan and UBSan
 san-memory: ## unit, golden and fuzz tests under MSan (clang)
 	@$(environment) sh tests/tools/run_tests.sh memory
 
-san-threads: ## unit, golden and fuzz tests under TSan, all on several threads (clang, libomp-dev)
+san-threads: ## unit, golden and fuzz tests under TSan, all on several threads (clang)
 	@$(environment) sh tests/tools/run_tests.sh threads
 
 abi: library ## header by every standard, symbols, offsets here and on other machines, types against the stored ones (REWRITE=1: store)

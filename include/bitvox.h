@@ -11,6 +11,11 @@
  *   Failure     Inputs are unchanged, nothing leaks, results that the library would have made stay empty, arrays
  *               that the caller gave to be filled hold valid but unspecified values, and bvx_last_message(ctx)
  *               says what was wrong, where and why. A cancelled call is a failure with BVX_CANCELLED.
+ *   Reuse       A result is zeroed before its first use, and may then be passed again without being freed: arrays that
+ *               the library made are used again or, where they do not suffice, given back and made anew. Arrays of
+ *               the caller's are filled where a function takes them, else refused, and too small ones are
+ *               BVX_ERR_CAPACITY. After a failure what the library had made is as it was, of unspecified content, or
+ *               empty; it may be passed again or freed in any case.
  *   Memory      All of it comes from the context's allocator and counts against its limit.
  *   Threads     One context is used by one thread at a time; two contexts share nothing.
  *   Exactness   Same bits for any compiler, processor, thread count and window, unless a function says otherwise.
@@ -104,14 +109,20 @@ typedef struct bvx_context_options {
     void *arena;               /**< memory to live in: results grow from its low end, scratch from its high end [Default: NULL] */
     uint64_t arena_size;       /**< [Units: bytes] */
     uint64_t memory_limit;     /**< [Units: bytes] [Default: 0, none] */
-    bvx_parallel_fn *parallel; /**< the caller's own parallel-for [Default: OpenMP where built in, else none] */
+    bvx_parallel_fn *parallel; /**< the caller's own parallel-for [Default: the library's threads where built in] */
     void *parallel_user;       /**< first argument of parallel */
     bvx_progress_fn *progress; /**< [Default: NULL, never called] */
     void *progress_user;       /**< first argument of progress */
-    int32_t threads;           /**< workers [Limit: 0..1024] [Default: 0, all that OpenMP offers; 1 with a parallel of one's own] */
+    int32_t threads;           /**< workers [Limit: 0..1024] [Default: 0, see below; 1 with a parallel of one's own] */
     int32_t cpu;               /**< fastest code that may run, BVX_CPU_... [Default: BVX_CPU_BEST] */
 } bvx_context_options;
 
+/** Threads are the context's own helpers of the calling thread. By default there are as many workers as processors that the
+ *  process may use, by its affinity and by the quota of its control group (of Linux, version 1 or 2); OMP_NUM_THREADS says it
+ *  otherwise, OMP_THREAD_LIMIT limits it. However many are asked for, they work only where that pays: no helper is started
+ *  for less than a fifth of a millisecond of work, none works while other threads of the machine want all its processors
+ *  (Linux tells), and those that made the caller wait rest for a time. They sleep soon, take no signals, and end with the
+ *  context. Results do not depend on any of this. */
 BVX_API void bvx_context_options_init(bvx_context_options *options, size_t size);
 
 /** Create a context; call it through bvx_context_create, which passes the header's version.
@@ -130,7 +141,8 @@ static inline bvx_status bvx_context_create(const bvx_context_options *options, 
 BVX_API const char *bvx_arithmetic_fault(void);
 
 /** Release a context. What it allocated for results stays valid until freed through another context with the same
- *  allocator; with an arena it ends with the arena. NULL is allowed. */
+ *  allocator. One in an arena, which ends with the arena, is released too before that memory is used otherwise: its threads
+ *  end here. NULL is allowed. */
 BVX_API void bvx_context_destroy(bvx_context *context);
 
 /** What went wrong in the last call that failed, in one line; "" when none did. Valid until the next call. */
@@ -472,8 +484,20 @@ enum {
     BVX_FILL_REGIONS = 4, /**< each region that the conservative surface leaves (connected through faces) is inside or outside as
                                a whole: keeps cavities; the surface's own voxels vote */
     BVX_FILL_BELOW = 5,   /**< all that lies under a terrain, or between two */
-    BVX_FILL_WINDING = 6  /**< generalized winding number above a half, either way: without open edges it is NONZERO, holes close
+    BVX_FILL_WINDING = 6, /**< generalized winding number above a half, either way: without open edges it is NONZERO, holes close
                                smoothly; overlapping parts are one, flipped triangles are not for it */
+    BVX_FILL_AUTO = 7     /**< what suits the mesh: PARITY where closed shells do not cross, NONZERO where they do, WINDING where there
+                               are holes, VOTE where triangles cannot be oriented; flipped triangles are turned before */
+};
+
+/** Why a rule filled a mesh. The numbers are frozen. */
+enum {
+    BVX_FILL_REASON_ASKED = 0,       /**< it was asked for by name */
+    BVX_FILL_REASON_SOUND = 1,       /**< PARITY: closed, and nothing lies twice inside: all rules agree */
+    BVX_FILL_REASON_NESTED = 2,      /**< PARITY: closed shells lie in others that face the same way, and none cross: cavities */
+    BVX_FILL_REASON_OVERLAP = 3,     /**< NONZERO: closed shells cross each other or themselves: they are one solid */
+    BVX_FILL_REASON_OPEN = 4,        /**< WINDING: there are open edges */
+    BVX_FILL_REASON_UNORIENTABLE = 5 /**< VOTE: the triangles of some patch cannot all run the same way round */
 };
 
 /** Counts of one call, for its window (edges: of the mesh); those of rules that were not asked for are 0. */
@@ -495,12 +519,15 @@ typedef struct bvx_solid_report {
     uint64_t columns;         /**< below: columns under the surface; with a second: columns where both exist */
     uint64_t cut_voxels;      /**< below, with a second: voxels where mesh lies above second */
     uint64_t fill_voxels;     /**< below, with a second: voxels where second lies above mesh */
-    uint64_t reserved[5];
+    int32_t fill;             /**< BVX_FILL_...: the rule that filled, AUTO's choice or the one asked for */
+    int32_t fill_reason;      /**< BVX_FILL_REASON_... */
+    uint64_t turned;          /**< auto: triangles that were turned round before */
+    uint64_t reserved[3];
 } bvx_solid_report;
 
 typedef struct bvx_voxelize_options {
     size_t struct_size;
-    int32_t fill;             /**< BVX_FILL_... [Default: BVX_FILL_PARITY] */
+    int32_t fill;             /**< BVX_FILL_... [Default: BVX_FILL_AUTO] */
     int32_t reserved;
     bvx_window window;        /**< flood, regions: the whole lattice only [Default: all zero, the whole lattice] */
     bvx_solid_report *report; /**< receives counts when not NULL [Default: NULL] */
@@ -545,6 +572,13 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  *          voxels that voted outside (a cavity), those of the surface around them that vote outside follow: each that is fewer
  *          steps (to any of 26 neighbours that is of its kind) from these than from what the flood reached or the lattice's end.
  *          Where it sets none, as on closed meshes whose outside it reaches everywhere, flood equals parity.
+ * AUTO     the rule follows from mesh and lattice, whatever the window, and is named in the report. A mesh whose triangles run along
+ *          each edge as often one way as the other (told by a sum, wrong by a chance of 2^-30), and none of whose rows lies inside
+ *          more than once, is filled by PARITY, as by any other rule. Any other is looked at edge by edge: in each patch of
+ *          triangles that hang together through edges of two the minority is turned (where no side has five eighths, so that the
+ *          volume becomes positive). Then: edges are open, WINDING; a patch has one side only, or closed ones cannot be made to
+ *          agree, VOTE; closed, shells lie in each other and no triangles cross (bvx_mesh_crossings), PARITY; else NONZERO, parts
+ *          that are inside out and cross others turned before.
  * BELOW    each column of centres along axis is filled from base up to the highest crossing with the mesh; with second from
  *          the lower of the two meshes' highest crossings to the higher one, not below base. Columns that nothing covers stay
  *          empty. Overhangs are filled.
@@ -561,8 +595,11 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  * bvx_voxelize_surface needs, its grid, 4 bytes a run of empty voxels and 24 for each word of a slice; FLOOD: one
  * more grid, 8 bytes a voxel of the surface that votes outside where there are cavities; closing gaps: a grid of close_gaps more
  * voxels a side. BELOW: one more grid unless axis is 0, 4 bytes a column and mesh, a second mesh's
- * vertices and buffers. check_edges: as bvx_mesh_check.
- * Cost: O(vertices + triangles + crossings + words), VOTE three times that; VOTE and WINDING also, for each centre
+ * vertices and buffers. AUTO: 4 bytes a vertex more; where rows are deeper, or for windows, 8 bytes a row and 4 a crossing of the
+ * whole lattice; where edges are looked at 101 bytes a triangle and 6 a vertex, and what bvx_mesh_crossings needs. check_edges: as
+ * bvx_mesh_check.
+ * Cost: O(vertices + triangles + crossings + words), AUTO on sound meshes 4 ns a triangle and 3 a crossing more, else that of the
+ * rule, its edges (O(triangles)) and, where closed shells are several and deep, bvx_mesh_crossings; VOTE three times that; VOTE and WINDING also, for each centre
  * near a place where the angle is a half, and for bricks of centres elsewhere near holes, O(open edges) at most, far fewer for
  * those of other holes, and O(log open edges) but for those nearby where hundreds of holes have a few edges each; REGIONS, FLOOD: and that of bvx_voxelize_surface and
  * O(runs); closing gaps O(words * log gap). Local but for REGIONS and FLOOD: a window holds the bits of the whole there.
@@ -1012,7 +1049,7 @@ BVX_API void bvx_refine_options_init(bvx_refine_options *options, size_t size);
  * with holes are not for it.
  *
  * base  the lattice of level 0; its fraction_bits are not looked at. bvx_lattice_fit(context, mesh, 8, &base) makes one
- * tree  out: *tree must be NULL; bvx_octree_free takes it back
+ * tree  out: *tree is NULL, or a tree that is freed when the new one is made; bvx_octree_free takes it back
  *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (as bvx_voxelize_surface; a base or levels beyond
  * the lattice, with the most levels that fit; 2^28 split voxels of a level), BVX_ERR_BUDGET (names the most levels that fit),
@@ -1502,7 +1539,8 @@ BVX_API bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes,
 
 /** What decides that a centre is inside. */
 enum {
-    BVX_SIGN_AUTO = 0,        /**< EXACT for closed, oriented meshes; else WINDING, or VOTE where triangles are flipped */
+    BVX_SIGN_AUTO = 0,        /**< fields: inside is what BVX_FILL_AUTO has inside: EXACT where closed shells do not cross, WINDING where
+                                   they do or there are holes, VOTE where triangles cannot be oriented; repair: WINDING or VOTE */
     BVX_SIGN_EXACT = 1,       /**< the solid's own rule (BVX_FILL_PARITY): field and solid never disagree */
     BVX_SIGN_NORMAL = 2,      /**< the side of the closest triangle (the paper's): wrong near edges and corners */
     BVX_SIGN_PSEUDONORMAL = 3, /**< the side of the closest feature by angle-weighted normals: right for closed, oriented meshes
@@ -1672,22 +1710,38 @@ typedef struct bvx_boolean_report {
     uint64_t voxels_a, voxels_b;      /**< centres inside each */
     uint64_t voxels;                  /**< inside the result */
     bvx_field_surface_report surface; /**< how the vertices were placed, as of bvx_extract_field_surface */
-    uint64_t reserved[4];
+    int32_t sharp;                    /**< 1: vertices were put on sharp edges and corners */
+    int32_t few;                      /**< BVX_FEW_... that the lattice is too coarse for, or 0 */
+    int32_t advised_resolution;       /**< where few is not 0: the resolution to take */
+    int32_t reserved0;
+    uint64_t crumbs;                  /**< small parts and pockets that neither mesh has a part for: dropped and filled */
+    uint64_t parts_dropped;           /**< below least_part */
+    bvx_solid_report solid_a, solid_b; /**< how each was filled: by which rule and why, rows that do not balance */
 } bvx_boolean_report;
+
+/** What of an operation has few voxels: fewer than 16 along its longest axis as far as it lies on the lattice, or none. */
+enum {
+    BVX_FEW_A = 1,
+    BVX_FEW_B = 2,
+    BVX_FEW_RESULT = 4
+};
 
 typedef struct bvx_boolean_options {
     size_t struct_size;
-    const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted to both meshes by resolution with padding of 1 voxel] */
-    int32_t resolution;         /**< voxels along the longest axis of both together [Limit: 1..2^24] [Default: 256] */
-    int32_t fill;               /**< what is inside a mesh: BVX_FILL_PARITY, NONZERO, VOTE or WINDING [Default: BVX_FILL_PARITY] */
+    const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution with padding of 1 voxel: of a difference to a, of an
+                                     intersection to the box that both have in common, else to both] */
+    int32_t resolution;         /**< voxels along the longest axis of that box [Limit: 1..2^24] [Default: 256] */
+    int32_t fill;               /**< what is inside a mesh: BVX_FILL_AUTO, PARITY, NONZERO, VOTE or WINDING [Default: BVX_FILL_AUTO] */
     int32_t interpolation;      /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
     int32_t face_rule;          /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t sharp;              /**< 1: sharp edges of the meshes, and those where they meet, as in bvx_extract_field_surface [Default: 0] */
+    int32_t sharp;              /**< 1: sharp edges of the meshes, and those where they meet, as in bvx_extract_field_surface; 0: none; -1: where one
+                                     of the meshes has them, as in bvx_repair_options [Default: -1] */
     int32_t position_type;      /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
     int32_t local_frame;        /**< as for bvx_extract_field_surface [Default: 0] */
-    int32_t reserved0;
+    int32_t keep_crumbs;        /**< 1: small parts and pockets that neither mesh has a part for stay, as in bvx_repair_options [Default: 0] */
     bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
-    uint64_t reserved[2];
+    uint64_t least_part;        /**< parts of fewer voxels are dropped [Default: 0] */
+    uint64_t reserved[1];
 } bvx_boolean_options;
 
 BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size);
@@ -1698,13 +1752,14 @@ BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
  * Both are filled on one lattice, exactly; the bits are combined; marching cubes between inside and outside centres makes the mesh.
  * Each vertex lies where its edge is cut by the mesh whose side changes there, by the closest points of the edge's ends; where
  * both change, by the one that bounds the result. The guarantee is that of bvx_extract_field_surface, whatever the meshes are:
- * closed, outwards, edge- and vertex-manifold, no crossing triangles. What is thinner than a voxel may be lost. A result without
- * any centre inside is an empty mesh and no error.
+ * closed, outwards, edge- and vertex-manifold, no crossing triangles. What is thinner than a voxel may be lost; the report says what
+ * has few voxels, and the resolution to take. A result without any centre inside is an empty mesh and no error; a mesh without one,
+ * though all of it lies on the lattice, is one. A lattice that is fitted has as few fraction bits as the farther mesh needs.
  *
  * operation  BVX_BOOLEAN_...
  * result     as for bvx_extract_surface; its arrays are not those of a or b (BVX_ERR_ARGUMENT)
  *
- * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (a mesh without a triangle of area), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (a mesh without a triangle of area, or of no voxel), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in
  * bvx_extract_surface), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
  * Memory: the mesh, five grids, 16 bytes a row, 32 for each centre next to a mesh's part of the surface (sharp: 36, and what sharp
  * needs there), and by turns what bvx_voxelize_solid needs and what bvx_measure_field needs a triangle. Cost: two solids, the closest points of these centres,
@@ -1920,6 +1975,24 @@ BVX_API bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mes
                                   bvx_sections *sections);
 /* ---- Repair -------------------------------------------------------------------------------------------------- */
 
+/** Why a mesh needs a repair: the first of these that holds. */
+enum {
+    BVX_NEEDS_NOTHING = 0,    /**< it is closed, manifold, oriented and outwards, and crosses itself nowhere */
+    BVX_NEEDS_LIDS = 1,       /**< open edges */
+    BVX_NEEDS_MANIFOLD = 2,   /**< edges of three triangles or more, vertices where parts touch */
+    BVX_NEEDS_TURNS = 3,      /**< neighbours of opposite orientation */
+    BVX_NEEDS_AREA = 4,       /**< triangles without area, or there twice */
+    BVX_NEEDS_OUTSIDE_IN = 5, /**< its volume is not positive, or a part lies within another without being its cavity */
+    BVX_NEEDS_UNCROSSING = 6  /**< triangles cross */
+};
+
+/** Walls of closed bodies thinner than 1.5 voxels, where no centre inside shows them. */
+enum {
+    BVX_THIN_SHELL = 0, /**< pieces that the solid misses become shells, as sheets do; what else no centre lies in is lost, and reported */
+    BVX_THIN_KEEP = 1,  /**< they are kept, closed and whole, about as thick as they are; the result may depend on the order of triangles */
+    BVX_THIN_DROP = 2   /**< what no centre lies in is lost, and reported */
+};
+
 typedef struct bvx_repair_report {
     bvx_certificate before;      /**< of the input, vertices at equal positions taken as one */
     bvx_certificate after;       /**< of the result */
@@ -1931,24 +2004,42 @@ typedef struct bvx_repair_report {
     double longest_hole;         /**< [Units: world] */
     uint64_t sheet_edges;        /**< crossings of the result far from the input's surface: the sheets over holes */
     uint64_t shelled_triangles;  /**< of the input, that became shells */
-    uint64_t overlaps;           /**< voxels in more than one turn of the surface: overlapping parts */
+    uint64_t overlaps;           /**< voxels in more than one turn of the surface: overlapping parts; counted with measure 1, and where
+                                      volume or area of a closed, oriented mesh have changed by more than a twentieth */
     uint64_t parts_kept, parts_dropped;       /**< pieces of the solid */
     uint64_t cavities_kept, cavities_dropped;
     uint64_t searched;           /**< target_triangles: resolutions that the search tried */
     bvx_distance_report distance; /**< measure 1: a is the input, b the result */
     double mean_off_caps, max_off_caps; /**< measure 1: from the result to the input, without the sheets over holes [Units: world] */
-    uint64_t reserved[8];
+    double sharp_share;          /**< sharp edges of the input: their part of the length of all; 0 for more than 500,000 triangles */
+    int32_t sharp;               /**< 1: vertices were put on sharp edges and corners */
+    int32_t needs;               /**< BVX_NEEDS_...: why the input needs a repair */
+    int32_t copied;              /**< 1: it needed none and was copied (if_needed) */
+    int32_t thin_kept;           /**< 1: thin walls are in the result, 0: there are none, or they are lost where no centre lies inside */
+    uint64_t crossings;          /**< pairs of triangles of the input that cross; counted where nothing else is wrong with it */
+    uint64_t crumbs;             /**< small parts and pockets that the mesh has none for: dropped and filled, also counted in parts_dropped
+                                      and cavities_dropped */
+    uint64_t turned;             /**< AUTO: triangles that faced the other way than their neighbours and were turned */
+    uint64_t thin_voxels;        /**< voxels at walls that the lattice loses: thinner than 1.5 voxels, with no centre inside to show them */
+    uint64_t thin_components;    /**< of the input, that have such walls */
+    double thin_wall;            /**< nine tenths of these voxels have a wall this thick or thicker; 0: sheets [Units: world] */
+    int32_t thin_low[3], thin_high[3]; /**< the box of these voxels, both ends in it [Units: voxels of lattice] */
+    int32_t thin_resolution;     /**< the resolution at which a wall of thin_wall is 1.5 voxels; 0: none, or none needed */
+    int32_t reserved0;
+    uint64_t reserved[3];
 } bvx_repair_report;
 
 typedef struct bvx_repair_options {
     size_t struct_size;
     const bvx_lattice *lattice;  /**< to work on [Default: NULL, fitted by resolution with padding of 2 voxels and half a shell] */
     int32_t resolution;          /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256] */
-    int32_t sign;                /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Default: BVX_SIGN_AUTO: WINDING, or VOTE where triangles
-                                      are flipped] */
+    int32_t sign;                /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Default: BVX_SIGN_AUTO: WINDING, flipped triangles turned
+                                      before, or VOTE where they cannot be oriented] */
     int32_t interpolation;       /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
     int32_t face_rule;           /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t sharp;               /**< as for bvx_extract_field_surface [Default: 0] */
+    int32_t sharp;               /**< vertices on sharp edges and corners, as for bvx_extract_field_surface: 0 never, 1 always, -1 where a
+                                      tenth of the mesh's edges are sharp (by 40 degrees), or a hundredth and at most half as many bent
+                                      (by 15), by length, as in machine parts [Default: -1] */
     int32_t position_type;       /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
     int32_t local_frame;         /**< as for bvx_extract_field_surface [Default: 0] */
     int32_t measure;             /**< 1: fill the report's distances, from measure_samples points a side [Default: 0] */
@@ -1959,7 +2050,15 @@ typedef struct bvx_repair_options {
     uint64_t target_triangles;   /**< the largest resolution, up to resolution, that a bisection finds not to exceed it [Default: 0, none] */
     uint64_t measure_samples;    /**< [Limit: 1..2^31-1] [Default: 100000] */
     bvx_repair_report *report;   /**< receives what was found and done when not NULL [Default: NULL] */
-    uint64_t reserved[2];
+    int32_t keep_crumbs;         /**< 1: small parts and pockets that the mesh has none for stay: those of at most 64 voxels or a thousandth of
+                                      all, without a voxel that has its six neighbours, beside a larger part of the same piece of the
+                                      mesh, as acute edges and narrow grooves leave them [Default: 0, they are dropped and filled] */
+    int32_t if_needed;           /**< 1: a mesh that needs nothing (the report's needs) is copied: the same positions and triangles, vertices
+                                      at one position once, in its own position_type and without a frame, whatever the other options are
+                                      [Default: 0] */
+    int32_t thin;                /**< walls of bodies that the lattice loses: BVX_THIN_... [Default: BVX_THIN_SHELL] */
+    int32_t reserved0;
+    uint64_t reserved[1];
 } bvx_repair_options;
 
 BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
@@ -1970,8 +2069,11 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  * Triangles that are there twice count once. The sign rule says which centres are inside, with a smooth lid over every hole;
  * pieces that enclose nothing become shells: no voxel close behind most of their area is inside, or a lid over their holes would
  * have 0.7 of their area or more and they do not, like faces or triangles torn apart, make a body together. Marching cubes between inside and outside centres, vertices where the closest points of
- * both ends say, on lids where the winding number passes a half. The guarantee is that of marching cubes, whatever the input; what
- * is thinner than a voxel is lost or becomes a shell.
+ * both ends say, on lids where the winding number passes a half. Of equally near triangles, beside an edge or corner, the one whose
+ * plane is farthest from the centre counts, so a closed mesh gives the same bytes for any order of triangles, vertices and corners, and
+ * turned inside out. By BVX_THIN_KEEP walls too thin for the lattice are widened until they hold
+ * on it and their vertices then put back to the mesh, as far as no triangles cross. The guarantee is that of marching cubes,
+ * whatever the input; details smaller than a voxel are lost, rods thinner than that become shells.
  *
  * mesh      triangles without area are no harm; vertices must be finite, used or not
  * repaired  as for bvx_extract_surface; its arrays are not the mesh's (BVX_ERR_ARGUMENT)
@@ -1992,6 +2094,14 @@ BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, c
 enum {
     BVX_ERROR_MEAN = 0, /**< mean distance, of both ways the mean */
     BVX_ERROR_MAX = 1   /**< largest distance, of both ways the greater */
+};
+
+/** What becomes of a mesh with borders when it is simplified. */
+enum {
+    BVX_OPEN_SHELL = 0, /**< bvx_build_levels: open sheets become thin closed shells; bvx_mesh_simplify: refused */
+    BVX_OPEN_KEEP = 1,  /**< borders stay borders; edges of three triangles and more, or between triangles that cannot agree on
+                             their sides, are refused */
+    BVX_OPEN_CUT = 2    /**< as KEEP, but the sheet is cut along such edges: all their triangles get borders there */
 };
 
 typedef struct bvx_level_report {
@@ -2019,7 +2129,7 @@ typedef struct bvx_simplify_options {
     uint64_t measure_samples;         /**< points a side for each report's distances [Limit: 0: not measured, or 1..2^31-1] [Default: 0; target_errors
                                            measure with 20000 where none are given] */
     int32_t strict;                   /**< 1: a target that cannot be kept is an error [Default: 0, the smallest mesh, met 0] */
-    int32_t reserved0;
+    int32_t open;                     /**< BVX_OPEN_...: may the mesh have borders? [Default: BVX_OPEN_KEEP] */
     bvx_level_report *reports;        /**< [Size: level_count] filled when not NULL [Default: NULL] */
     uint64_t reserved[4];
 } bvx_simplify_options;
@@ -2027,24 +2137,30 @@ typedef struct bvx_simplify_options {
 BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t size);
 
 /**
- * Fewer triangles for a closed, manifold, oriented mesh: a chain of levels, each made from the one before.
+ * Fewer triangles for a manifold mesh, closed or with borders: a chain of levels, each made from the one before.
  *
  * The edge that costs least goes first: its ends become one vertex where the summed squared distances to the planes of the
  * triangles that they stand for are least. An edge stays when its collapse would join what is apart, turn a triangle, make a
- * needle, or make two triangles cross or touch. So each level is closed, edge- and vertex-manifold and oriented, with the mesh's
- * components and handles, and without crossing triangles where the mesh has none. Sharp edges and corners are kept as long as
- * the planes beside them are. Vertices at equal positions are one vertex (files without indices).
+ * needle, or make two triangles cross or touch. So each level is closed where the mesh is, edge- and vertex-manifold and oriented,
+ * with the mesh's components, handles and borders, and without crossing triangles where the mesh has none. Sharp edges and corners are
+ * kept as long as the planes beside them are, borders and their corners by planes upright on the triangles beside them. Vertices at
+ * equal positions are one vertex (files without indices).
  *
- * mesh    closed, edge- and vertex-manifold, oriented; bvx_repair and bvx_build_levels make such meshes from others
+ * mesh    edge-manifold and oriented, or it can be made so: triangles that are there twice count once, flipped ones are turned as most
+ *         of their neighbours are. Where parts touch in a vertex, each gets its own. open BVX_OPEN_SHELL: closed, edge- and
+ *         vertex-manifold, oriented; bvx_repair and bvx_build_levels make such meshes from others
  * levels  [Size: level_count] each as for bvx_extract_surface; none of their arrays is the mesh's
  *
  * Returns BVX_ERR_ARGUMENT (also: the mesh is not what is needed, with an edge), BVX_ERR_EMPTY (no triangles), BVX_ERR_RANGE (strict: a
  * level that cannot be made; coordinates), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. After a failure no level
- * is left. The order of vertices and triangles of the mesh does not change levels by count; levels by error are measured at points
- * that follow it.
- * Memory: at most 160 bytes a triangle and 300 KB. Cost: O(triangles), some microseconds for each that goes.
+ * is left. The order of vertices and triangles of an oriented mesh does not change levels by count; levels by error are measured at
+ * points that follow it.
+ * Memory: at most 160 bytes a triangle and 24 a border edge, and 300 KB; of more than 20,000 triangles about 1.3 MB more for each
+ * thread. Cost: O(triangles), some microseconds for each that goes; threads share what is further than three times the target from
+ * it, of closed meshes.
  * Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; Liu, Rahimzadeh, Zordan. Controlling
- * Quadric Error Simplification with Line Quadrics. 2025.
+ * Quadric Error Simplification with Line Quadrics. 2025; borders closed by a ghost after Dey, Edelsbrunner, Guha, Nekhayev.
+ * Topology preserving edge contraction. 1999.
  */
 BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh, const bvx_simplify_options *options,
                                      uint64_t level_count, bvx_mesh *levels);
@@ -2077,6 +2193,10 @@ typedef struct bvx_levels_report {
     uint64_t crossings;      /**< pairs of triangles of the input that cross, where that decided */
     uint64_t crumbs;         /**< pieces of the measured surface that the input has none for, each below a thousandth of the volume: dropped */
     bvx_repair_report repair; /**< BVX_LEVELS_MEASURED: what was found and done; its lattice, parts and shells */
+    uint64_t doubles, turned; /**< open KEEP and CUT: triangles that were there twice, dropped; triangles turned to agree with their neighbours */
+    uint64_t refused_edges;   /**< open KEEP: edges that made it impossible, of three triangles or between two that cannot agree. With
+                                   CUT such edges became borders */
+    double refused_edge[2][3]; /**< ends of the first of them [Units: world] */
     uint64_t reserved[6];
 } bvx_levels_report;
 
@@ -2103,7 +2223,11 @@ typedef struct bvx_levels_options {
     uint64_t least_cavity;            /**< measured: cavities of fewer voxels are filled [Default: 0] */
     bvx_levels_report *report;        /**< receives what was found and done when not NULL [Default: NULL] */
     bvx_level_report *reports;        /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    uint64_t reserved[4];
+    int32_t open;                     /**< BVX_OPEN_...: KEEP and CUT make levels with borders from a mesh with borders, where it can be
+                                           taken as it is, also one that crosses itself, without options that only a measured
+                                           surface can follow [Default: BVX_OPEN_SHELL] */
+    int32_t reserved0;
+    uint64_t reserved[3];
 } bvx_levels_options;
 
 BVX_API void bvx_levels_options_init(bvx_levels_options *options, size_t size);
@@ -2119,7 +2243,9 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  *
  * A mesh that is closed, manifold and oriented and has no triangle without area is simplified as it is, where its levels do not cross
  * themselves; of any other mesh the surface is measured first as bvx_repair does: holes get lids, overlapping parts become one, sheets become
- * shells. Then edges collapse, each level from the one before, as in bvx_mesh_simplify, whose guarantee holds for every level.
+ * shells. Then edges collapse, each level from the one before, as in bvx_mesh_simplify, whose guarantee holds for every level. With open
+ * BVX_OPEN_KEEP or CUT a mesh that is not closed, manifold and oriented is simplified as it is too, with its borders, where
+ * bvx_mesh_simplify can take it; certificates of such levels say that they are open.
  *
  * mesh    any mesh of area; vertices must be finite
  * levels  [Size: level_count] as for bvx_mesh_simplify
@@ -2192,16 +2318,25 @@ BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint
  *  GLB (glTF 2.0, binary): f32 positions about the bounds' centre, smooth normals weighted by area, colours as linear
  *  light, texture coordinates; world axes are kept, and the nodes carry the centre and the turn from z up to glTF's
  *  y up; vertices are repeated where texture coordinates need it.
+ *  A mesh that rounding to 32-bit floats would spoil, like one in metres of a map projection as STL, is refused with
+ *  BVX_ERR_RANGE (see BVX_ROUNDING_REFUSE). Another format keeps it, or mesh.frame set to less than it is, by an origin
+ *  that the file's user knows. bvx_check_written tells what a file would hold.
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds), BVX_ERR_UNSUPPORTED,
  *  BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes
  *  a vertex, and 84 a triangle while texture coordinates are split. */
 BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file);
 
+/* STL and GLB hold 32-bit floats: STL of the position, GLB of what it is from the middle of the bounds. A mesh is spoilt
+ * where that moves a coordinate by more than 1/16 of the mean length of edges, or leaves more than one triangle in 20
+ * without its area or turned over. */
+enum { BVX_ROUNDING_REFUSE = 0, BVX_ROUNDING_ALLOW = 1 };
+
 typedef struct bvx_write_options {
     size_t struct_size;
     int32_t normals;  /**< 1: PLY and OBJ get normals of vertices too; GLB always has them, STL and OFF are refused
                            [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
+    int32_t rounding; /**< what becomes of a mesh that the format's 32-bit floats would spoil, BVX_ROUNDING_...
+                           [Default: BVX_ROUNDING_REFUSE] */
 } bvx_write_options;
 
 BVX_API void bvx_write_options_init(bvx_write_options *options, size_t size);
@@ -2214,6 +2349,30 @@ BVX_API void bvx_write_options_init(bvx_write_options *options, size_t size);
  *  Memory: normals: 24 bytes a vertex more. Cost: O(vertices + triangles). */
 BVX_API bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
                                        int32_t format, bvx_buffer *file);
+
+typedef struct bvx_write_report {
+    bvx_certificate file;  /**< of the mesh with the positions that the file holds; STL: equal positions are one vertex */
+    uint64_t merged;       /**< positions that differ in the mesh and are equal to another in the file */
+    uint64_t spoilt;       /**< triangles that lose their area by rounding, or are turned over */
+    double largest_move;   /**< of a coordinate, by rounding to 32-bit floats; 0 where there is none [Units: world] */
+    double mean_edge;      /**< mean length of edges, where there is rounding [Units: world] */
+    int32_t fits;          /**< 1: written by default; 0: refused but for BVX_ROUNDING_ALLOW */
+    int32_t reserved;
+} bvx_write_report;
+
+/**
+ * What readers get of meshes in a format, without writing them: certificates with the positions as the file rounds them.
+ *
+ * levels       [Size: level_count] what one file is to hold, as bvx_write_levels takes them; 1: one mesh
+ * format       STL, OBJ, PLY, OFF or GLB; levels of GLB share one middle, those of other formats are files of their own
+ * reports      [Size: level_count] out; unspecified after a failure
+ *
+ * Returns what the writers return for these meshes, but BVX_OK where they refuse rounding: report.fits is 0 then.
+ * Memory: what bvx_mesh_check takes; 24 bytes a vertex where positions are rounded or there is a frame, and 10 a vertex
+ * while equal ones are counted. Cost: O(vertices + triangles).
+ */
+BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                                     bvx_write_report *reports);
 
 /**
  * Write levels of detail as one file.
@@ -2272,7 +2431,7 @@ BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, in
 BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states, int32_t format,
                                     bvx_buffer *file);
 
-/** Read an octree from the bytes of a .bvx file that bvx_write_octree made. *tree must be NULL; bvx_octree_free takes it back.
+/** Read an octree from the bytes of a .bvx file that bvx_write_octree made. *tree as for bvx_refine.
  *  Everything is checked before anything is allocated, and no file stands for more than its bytes.
  *  Returns BVX_ERR_FORMAT (byte, and why), BVX_ERR_UNSUPPORTED (a newer version), BVX_ERR_ARGUMENT, BVX_ERR_MEMORY,
  *  BVX_ERR_BUDGET, BVX_CANCELLED. Memory: the tree, at most twice size and 32 KiB. Cost: O(bytes). */
@@ -2338,8 +2497,11 @@ BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, 
 /**
  * Read section contours from the bytes of a file.
  *
- * BVX_FORMAT_CSL  planes with their equation A x + B y + C z + D = 0, points and loops with labels; loops marked as holes (25h3) are
- *                 loops like others, as nesting decides. Planes must be parallel within 1e-4 rad; the first one's normal is taken.
+ * BVX_FORMAT_CSL  planes with their equation A x + B y + C z + D = 0, points and loops with labels. A loop marked as a
+ *                 hole (25h3) bounds the body of the loop that it names; where its own label is another, and not 0, it also
+ *                 bounds the body of that label, which fills it (two loops share its points then). Planes must be parallel
+ *                 within 1e-4 rad; the first one's normal is taken. Points lie within 1/1000 of the largest coordinate of
+ *                 where the equation says.
  * BVX_FORMAT_CSV  a head line and lines of section, position, loop, x, y in columns of these names (any order, others are left
  *                 alone; also label); comma, semicolon or tab. Planes are z = position. Lines of a loop follow each other in
  *                 its order; a first point that is repeated at the end is left out.

@@ -11,12 +11,15 @@ version=$(sed -n 's/^#define BVX_VERSION_\(MAJOR\|MINOR\|PATCH\) //p' include/bi
     cat <<END
 /* bitvox.c - the bitvox library $version in one file, put together from its sources; include bitvox.h to use it.
  *
- *   cc -std=c99 -O3 -ffp-contract=off -c bitvox.c        (-fopenmp for threads)
+ *   cc -std=c99 -O3 -ffp-contract=off -c bitvox.c        (-pthread for threads)
  *
  * On 32-bit x86 add -msse2 -mfpmath=sse. Never compile it with -ffast-math.
  * Define BVX_FREESTANDING where there is no C heap: contexts then bring their own memory.
  *
  * Licence: MIT. */
+#if defined(__linux__) && !defined(_GNU_SOURCE)
+#define _GNU_SOURCE /* what -std=c99 hides: clocks and affinity, for threads alone */
+#endif
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wunused-function" /* inline helpers that not every target needs */
 #endif

@@ -62,10 +62,10 @@ def flags() -> tuple[list[str], list[str]]:
         if compiles(compiler, group):
             compile_flags += group
     link_flags = ["-fno-fast-math"] if "-fno-fast-math" in compile_flags else [] # no start-up code that flushes subnormals
-    openmp = "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n"
-    if os.environ.get("BITVOX_OPENMP", "1") != "0" and compiles(compiler, ["-fopenmp"], openmp):
-        compile_flags.append("-fopenmp")
-        link_flags.append("-fopenmp")
+    threads = "#include <pthread.h>\nint main(void) { return pthread_join(pthread_self(), 0) == 0; }\n"
+    if os.environ.get("BITVOX_THREADS", "1") != "0" and compiles(compiler, ["-pthread"], threads):
+        compile_flags.append("-pthread")
+        link_flags.append("-pthread")
     return compile_flags, link_flags
 
 

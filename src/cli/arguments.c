@@ -52,6 +52,14 @@ static const char *next_option(const void *user, int i)
     return NULL;
 }
 
+const char *cli_mistaken_for(const cli_run *run, const char *name)
+{
+    const cli_argument *a;
+    for (int k = 0; (a = cli_argument_at(k)) != NULL; k++)
+        if ((a->commands & run->command->bit) != 0 && name_distance(name, a->name) == 1) return a->name;
+    return NULL;
+}
+
 /* The row of an option that the command takes, -1 when it takes none of that name. */
 static int find_argument(const char *name, size_t length, int32_t bit)
 {
@@ -67,12 +75,26 @@ int cli_given(const cli_run *run, const char *name)
     return row >= 0 && run->given[row];
 }
 
+/* One name for two things was confusing: what the command calls it now. NULL when it was never taken. */
+static const char *new_name(int32_t bit, const char *name)
+{
+    static const struct {
+        int32_t command;
+        const char *old, *now;
+    } renamed[] = {{CLI_REFINE, "--levels", "--halvings, how many times voxels are halved (--levels of lod are resolutions)"}};
+
+    for (size_t i = 0; i < sizeof renamed / sizeof renamed[0]; i++)
+        if (renamed[i].command == bit && strcmp(renamed[i].old, name) == 0) return renamed[i].now;
+    return NULL;
+}
+
 static int refuse_option(cli_run *run, const char *word, size_t length)
 {
     char name[64];
     const char *nearest;
     int32_t const bit = run->command->bit;
     snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word);
+    if (new_name(bit, name) != NULL) return cli_usage(run, "%s is no option of %s; it is %s", name, run->command->name, new_name(bit, name));
     if (find_argument(word, length, CLI_ALL) >= 0)
         return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help'", run->command->name, name, run->command->name);
     nearest = cli_nearest(name, next_option, &bit);
@@ -130,7 +152,7 @@ static int check_line(cli_run *run)
     int standard = 0;
     if (o->inputs == 0) return cli_usage(run, "%s lacks its input file; see 'bitvox %s --help'", name, name);
     if (o->inputs < least)
-        return cli_usage(run, "%s lacks an input file: it takes %d; see 'bitvox %s --help'", name, least, name);
+        return cli_usage(run, "%s lacks an input: bitvox %s %s", name, name, run->command->usage);
     for (int i = 0; i < o->inputs; i++) standard += strcmp(o->input[i], "-") == 0;
     if (standard != 0 && o->format == 0)
         return cli_usage(run, "standard input has no name that tells the format; say it with --format");
@@ -140,6 +162,7 @@ static int check_line(cli_run *run)
         return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
     if (o->output != NULL && strcmp(o->output, "-") == 0)
         return cli_usage(run, "standard output has no name that tells the format; give a file");
+    if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE) return CLI_USAGE;
     if (o->quiet && o->progress == CLI_BAR_DRAW) return cli_usage(run, "--quiet and --progress=bar exclude each other");
     return CLI_DONE;
 }

@@ -14,7 +14,7 @@ enum {
     CLI_MAX_INPUTS = 64,
     CLI_MAX_LEVELS = 64,
     CLI_MAX_OUTPUTS = 512,
-    CLI_MAX_STAGES = 4 * CLI_MAX_LEVELS,
+    CLI_MAX_STAGES = 6 * CLI_MAX_LEVELS,
     CLI_MAX_WARNINGS = 32,
     CLI_MAX_OPTIONS = 256
 };
@@ -109,7 +109,8 @@ typedef struct cli_options {
     cli_errors errors;          /* of levels that edges collapse to, and what else these need: */
     int32_t error_kind;         /* BVX_ERROR_... */
     int32_t count, source;      /* source: BVX_LEVELS_... */
-    int32_t no_sharp, outer_hull, strict;
+    int32_t open;               /* BVX_OPEN_... */
+    int32_t no_sharp, outer_hull, strict, if_needed;
     double even;
     double threshold;
     int32_t edge_samples;
@@ -142,8 +143,10 @@ typedef struct cli_options {
     int32_t sharp, measure;
     int32_t count_crossings;    /* info: of meshes */
     int32_t normals;            /* of vertices, in a mesh's file */
+    cli_triple output_origin;   /* taken from the positions of a mesh's file */
     int32_t resample;           /* boolean: grids of other lattices are sampled */
     double shell;               /* thickness in voxels */
+    int32_t thin;               /* BVX_THIN_... */
     int64_t least_part, least_cavity;
     double half_width;          /* of a field's band; 0: no end */
     int64_t keep_largest, at_least; /* components */
@@ -205,7 +208,7 @@ typedef struct cli_argument {
 } cli_argument;
 
 /* The rules of --fill by BVX_FILL_..., and the modes of voxelize by CLI_MODE_...; NULL behind the last. */
-extern const char *const cli_fill_names[], *const cli_mode_names[];
+extern const char *const cli_fill_names[], *const cli_fill_reasons[], *const cli_mode_names[];
 /* By BVX_SIGN_... */
 extern const char *const cli_sign_names[];
 /* Row i of the table, NULL behind the last; one name may stand in several rows for different commands. */
@@ -220,6 +223,8 @@ int cli_parse(cli_run *run, int count, char **word);
 int cli_given(const cli_run *run, const char *name);
 /* The options of a command, for its help. */
 void cli_print_options(int32_t command_bit);
+/* Another option of the command whose name differs by one letter, or NULL. */
+const char *cli_mistaken_for(const cli_run *run, const char *name);
 /* The nearest of the names, or NULL when none is near; next gives name i, NULL behind the last. */
 const char *cli_nearest(const char *word, const char *(*next)(const void *user, int i), const void *user);
 
@@ -373,11 +378,15 @@ typedef struct cli_volume {
 int cli_selects(const cli_run *run);
 /* 1 when the samples of an input are needed, and not what is other than 0. */
 int cli_is_volume(const cli_run *run, const char *path);
+/* Refuse options of volumes where no input is one: nothing would come of them. */
+int cli_check_volume_options(cli_run *run);
 /* Refuse options that contradict each other. */
 int cli_check_selection(cli_run *run, const char *path);
 /* Read a volume, or a window of it (NULL or all zero: all); creates run->context when there is none. */
 int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *volume);
 void cli_free_volume(cli_run *run, cli_volume *volume);
+/* volume_info.c: tell the type, range and histogram of a volume's samples, where they are more than bits. */
+int cli_tell_samples(cli_run *run, const char *path);
 /* The voxels of --level, --range or --label; without any those whose sample is not 0. */
 bvx_status cli_select_voxels(cli_run *run, const cli_volume *volume, bvx_volume_report *report, bvx_grid *grid);
 /* What was found in it: a member of the JSON report, lines of text, a warning. */
@@ -418,6 +427,8 @@ int cli_fill_input(cli_run *run, cli_input *in);
 int cli_check_fill(cli_run *run);
 /* --fill and its options; second and the report are the caller's. */
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
+/* The rule that filled, and why. */
+void cli_say_fill(cli_run *run, int32_t fill, int32_t reason, uint64_t turned);
 /* What the report of a solid tells: warnings; lines of text; a member of the JSON report. */
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
 void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
@@ -425,6 +436,8 @@ void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_
 
 /* ---- clouds.c: voxels of a cloud of points ---- */
 
+/* Refuse options of clouds for another kind of input. */
+int cli_check_cloud_options(cli_run *run, const char *kind);
 /* Refuse the options of clouds for meshes, and those of meshes for clouds. */
 int cli_check_cloud(cli_run *run, int cloud);
 /* A grid of the window from the options, on the report's lattice; told, written and warned of. */
@@ -492,7 +505,11 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
 
 /* ---- mesh_output.c: meshes as files ---- */
 
-/* A pattern with its %d replaced, to be freed; NULL without memory. */
+/* Where a pattern has its %d, or %03d with so many digits: its length there; NULL where it has none. */
+const char *cli_number_place(const char *pattern, size_t *length, int *digits);
+int cli_has_number(const char *pattern);
+int cli_has_two_numbers(const char *pattern);
+/* A pattern with its %d or %03d replaced, to be freed; NULL without memory. */
 char *cli_numbered_path(const char *pattern, int64_t number);
 /* Refuse an ending that stands for no mesh format. */
 int cli_check_mesh_name(cli_run *run, const char *path);
@@ -503,9 +520,14 @@ int cli_check_carry_name(cli_run *run);
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh);
 /* Refuse --normals for a format without. */
 int cli_check_normals(cli_run *run);
+int cli_check_sharp(cli_run *run);
 /* What of a mesh a format cannot hold, as a warning. */
 void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
-/* Write the mesh as the output of this number, which is open, but do not keep it; --normals adds the normals of vertices. */
+/* Refuse --output-origin for what is no mesh. */
+int cli_check_output_origin(cli_run *run);
+/* Write the mesh as the output of this number, which is open, but do not keep it: less --output-origin; --normals adds the
+ * normals of vertices. Where the file holds other positions than the mesh, or joins them, the certificate of the report's
+ * entry of this number, if there is one, becomes the file's; a mesh that the format would spoil is refused. */
 int cli_write_mesh_as(cli_run *run, const bvx_mesh *mesh, int number, const char *path);
 /* The same as run->options.output, and keep it. */
 int cli_write_mesh(cli_run *run, const bvx_mesh *mesh);
@@ -670,14 +692,11 @@ int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_
 /* cmd_repair.c: the numbers of a repair as a member of the JSON report. */
 void cli_report_repair(cli_run *run, const bvx_repair_report *repair, int measured);
 
-/* ---- blocks.c, pool.c ---- */
+/* ---- blocks.c ---- */
 
 /* Ask for huge pages behind a block, when it is large. */
 void cli_large_block(void *block, size_t size);
 /* Give options an allocator that does so. */
 void cli_blocks_offer(bvx_context_options *options);
-
-/* Give options the program's own threads, as many as they ask for (0: one a processor). */
-void cli_pool_offer(bvx_context_options *options);
 
 #endif

@@ -5,6 +5,7 @@
 #include "cli/cli.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -17,6 +18,9 @@ typedef struct boolean_run {
     bvx_mesh mesh;
     int by_mesh;             /* the mesh was made by bvx_boolean */
     bvx_boolean_report report;
+    bvx_solid_report solid[2]; /* of the inputs that are meshes */
+    int is_mesh[2];
+    int32_t few, advised;      /* BVX_FEW_..., and the resolution to take */
     cli_reduction reduction;
 } boolean_run;
 
@@ -40,24 +44,26 @@ static int take_operation(cli_run *run, boolean_run *b)
 static int check_boolean_options(cli_run *run, boolean_run *b)
 {
     static const char *const of_lattice[] = {"--resolution", "--spacing"};
-    static const char *const of_mesh[] = {"--interpolation", "--sharp"};
+    static const char *const of_mesh[] = {"--interpolation", "--sharp", "--no-sharp", "--least-part"};
     const char *const out = run->options.output;
     int kind[2], grids, status = take_operation(run, b);
     for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, run->options.input[1 + i], &kind[i]);
     if (status != CLI_DONE) return status;
+    for (int i = 0; i < 2; i++) b->is_mesh[i] = kind[i] == CLI_MESH;
     grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
     b->kind = cli_is_packed(out) ? 0 : cli_kind_of_format(bvx_format_of_name(out));
     if (b->kind == 0)
         return cli_usage(run, "%s: the name ends in no format that is written (.ply .obj .stl .off .glb, .npy .binvox .vox .nrrd .vti .bvx)", out);
     for (int i = 0; i < 2 && status == CLI_DONE && grids != 0; i++)
         status = refuse_boolean_option(run, of_lattice[i], "is for two meshes; a grid brings its own lattice");
-    for (int i = 0; i < 2 && status == CLI_DONE && (grids != 0 || b->kind == CLI_GRID); i++)
+    for (int i = 0; i < 4 && status == CLI_DONE && (grids != 0 || b->kind == CLI_GRID); i++)
         status = refuse_boolean_option(run, of_mesh[i], "is for two meshes that become a mesh");
     if (status == CLI_DONE && grids == 2) status = refuse_boolean_option(run, "--fill", "is for meshes");
     if (status == CLI_DONE && grids != 2) status = refuse_boolean_option(run, "--resample", "is for two grids");
     if (status == CLI_DONE && b->kind == CLI_GRID) status = cli_refuse_reduction(run, "is for a mesh; the result is a grid");
     if (status == CLI_DONE) status = cli_check_reduction(run);
     if (status == CLI_DONE) status = cli_check_lattice(run);
+    if (status == CLI_DONE) status = cli_check_sharp(run);
     b->by_mesh = grids == 0 && b->kind == CLI_MESH;
     return status;
 }
@@ -72,17 +78,45 @@ static int fail_boolean(cli_run *run, const boolean_run *b, bvx_status status)
 
 /* ---- Meshes ---- */
 
-/* A lattice around both meshes, with an empty voxel on every side. */
+/* What can be left lies in the first box of a difference, in both of an intersection. */
+static void choose_boolean_box(const boolean_run *b, const cli_box box[2], cli_box *fit)
+{
+    *fit = box[0];
+    if (b->operation == BVX_BOOLEAN_UNION || b->operation == BVX_BOOLEAN_XOR) cli_join_boxes(fit, &box[1]);
+    if (b->operation != BVX_BOOLEAN_INTERSECTION) return;
+    for (int a = 0; a < 3; a++) {
+        if (box[1].low[a] > fit->low[a]) fit->low[a] = box[1].low[a];
+        if (box[1].high[a] < fit->high[a]) fit->high[a] = box[1].high[a];
+    }
+    for (int a = 0; a < 3; a++)
+        if (!(fit->low[a] < fit->high[a])) *fit = box[0]; /* nothing will be left */
+}
+
+/* A mesh that sticks out far needs fewer fraction bits for its vertices to fit. */
+static void give_fraction_bits(const cli_box box[2], bvx_lattice *l)
+{
+    double farthest = 0.0;
+    for (int i = 0; i < 2; i++)
+        for (int a = 0; a < 3; a++) {
+            farthest = fmax(farthest, (l->origin[a] - box[i].low[a]) / l->spacing[a]);
+            farthest = fmax(farthest, (box[i].high[a] - l->origin[a]) / l->spacing[a]);
+        }
+    while (l->fraction_bits > 4 && ldexp(farthest, l->fraction_bits) > 536870912.0) l->fraction_bits--;
+}
+
+/* A lattice around what can be left, as bvx_boolean fits it, with an empty voxel on every side. */
 static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_lattice *lattice)
 {
-    cli_box box, other;
+    cli_box box[2], fit;
     bvx_mesh_view view;
-    cli_mesh_box(&b->in[0].mesh, &box);
-    cli_mesh_box(&b->in[1].mesh, &other);
-    cli_join_boxes(&box, &other);
-    cli_box_view(&box, &view);
+    bvx_status status;
+    for (int i = 0; i < 2; i++) cli_mesh_box(&b->in[i].mesh, &box[i]);
+    choose_boolean_box(b, box, &fit);
+    cli_box_view(&fit, &view);
     run->options.padding = 1;
-    return cli_make_lattice(run, &view, lattice);
+    status = cli_make_lattice(run, &view, lattice);
+    if (status == BVX_OK) give_fraction_bits(box, lattice);
+    return status;
 }
 
 static int combine_meshes(cli_run *run, boolean_run *b)
@@ -95,7 +129,9 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     o.lattice = &lattice;
     o.fill = run->options.fill;
     if (cli_given(run, "--interpolation")) o.interpolation = run->options.interpolation;
-    o.sharp = run->options.sharp;
+    if (run->options.sharp || run->options.no_sharp) o.sharp = run->options.sharp;
+    if (run->options.least_part > 0) o.least_part = (uint64_t)run->options.least_part;
+    o.keep_crumbs = cli_given(run, "--least-part");
     o.report = &b->report;
     for (int i = 0; i < 2; i++) bvx_mesh_view_of(&b->in[i].mesh, &view[i]);
     cli_stage_begin(run, "boolean");
@@ -107,6 +143,10 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     }
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
+    b->few = b->report.few;
+    b->advised = b->report.advised_resolution;
+    b->solid[0] = b->report.solid_a;
+    b->solid[1] = b->report.solid_b;
     b->voxels[0] = b->report.voxels_a;
     b->voxels[1] = b->report.voxels_b;
     run->report.set = b->report.voxels;
@@ -116,13 +156,14 @@ static int combine_meshes(cli_run *run, boolean_run *b)
 
 /* ---- Grids ---- */
 
-static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *lattice, const bvx_window *window)
+static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *lattice, const bvx_window *window, bvx_solid_report *report)
 {
     bvx_voxelize_options v;
     bvx_mesh_view view;
     bvx_voxelize_options_init(&v, sizeof v);
     v.fill = run->options.fill;
     v.window = *window;
+    v.report = report;
     bvx_mesh_view_of(&in->mesh, &view);
     return bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
 }
@@ -142,7 +183,7 @@ static bvx_status fill_operands(cli_run *run, boolean_run *b)
         status = fit_boolean_lattice(run, b, &lattice);
     }
     for (int i = 0; i < 2 && status == BVX_OK; i++)
-        if (b->in[i].kind == CLI_MESH) status = fill_operand(run, &b->in[i], &lattice, &window);
+        if (b->in[i].kind == CLI_MESH) status = fill_operand(run, &b->in[i], &lattice, &window, &b->solid[i]);
     return status;
 }
 
@@ -221,6 +262,38 @@ static int write_boolean(cli_run *run, boolean_run *b)
     return status == CLI_DONE ? cli_write_grid(run, &b->grid) : status;
 }
 
+/* How an input that is a mesh was filled. */
+static void report_operand(cli_run *run, const boolean_run *b, int i)
+{
+    cli_text *const t = &run->report.more;
+    const bvx_solid_report *const r = &b->solid[i];
+    if (!b->is_mesh[i]) return;
+    cli_text_add(t, ", \"%s\": {\"fill\": \"%s\", \"reason\": \"%s\"", i == 0 ? "a" : "b", cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
+    cli_json_count(t, "turned", r->turned);
+    cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
+    cli_text_add(t, "}");
+}
+
+static void warn_of_boolean(cli_run *run, const boolean_run *b)
+{
+    static const char *const what[3] = {"A", "B", "the result"};
+    for (int i = 0; i < 2; i++) {
+        if (!b->is_mesh[i]) continue;
+        if (b->solid[i].unbalanced_rows != 0)
+            cli_warn(run, "%s: %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", cli_input_name(b->in[i].path),
+                     b->solid[i].unbalanced_rows);
+        if (b->solid[i].fill_reason == BVX_FILL_REASON_NESTED)
+            cli_warn(run, "%s: closed shells lie in others that face the same way and cross none: what lies in both is hollow; --fill nonzero "
+                     "has it solid", cli_input_name(b->in[i].path));
+    }
+    for (int i = 0; i < 2 && !b->by_mesh; i++)
+        if (b->is_mesh[i] && b->voxels[i] == 0) cli_warn(run, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
+    for (int i = 0; i < 3; i++)
+        if ((b->few >> i & 1) != 0)
+            cli_warn(run, "%s has %s voxels at this resolution; --resolution %d shows it", what[i], i < 2 && b->voxels[i] == 0 ? "no" : "few",
+                     (int)b->advised);
+}
+
 static void tell_boolean(cli_run *run, const boolean_run *b)
 {
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
@@ -231,11 +304,22 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
     cli_json_count(t, "voxels_b", b->voxels[1]);
     cli_json_count(t, "voxels", run->report.set);
     cli_json_truth(t, "surfaces_kept", b->by_mesh);
+    for (int i = 0; i < 2; i++) report_operand(run, b, i);
+    if (b->by_mesh) {
+        cli_json_truth(t, "sharp", b->report.sharp);
+        cli_json_count(t, "crumbs", b->report.crumbs);
+        cli_json_count(t, "parts_dropped", b->report.parts_dropped);
+    }
     cli_text_add(t, "}");
     cli_say(run, "%s of %s and %s -> %s\n", operation_names[b->operation], cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
             run->options.output);
     cli_say(run, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
     cli_say(run, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1], run->report.set);
+    if (b->report.crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that the meshes have none for\n", b->report.crumbs);
+    if (b->report.parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
+    for (int i = 0; i < 2; i++)
+        if (b->is_mesh[i]) cli_say_fill(run, b->solid[i].fill, b->solid[i].fill_reason, b->solid[i].turned);
+    warn_of_boolean(run, b);
     if (b->kind != CLI_MESH) return;
     cli_tell_reduction(run, &b->reduction);
     cli_say(run, "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64 " components, volume %.6g\n", c->triangles,

@@ -2,6 +2,7 @@
 #include "cli/cli.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -227,22 +228,69 @@ static int info_of_tree(cli_run *run, cli_input *in)
     return status;
 }
 
-static int read_for_info(cli_run *run, cli_input *in)
+/* ---- clouds ---- */
+
+static int info_of_cloud(cli_run *run, const bvx_mesh *points, const char *path)
+{
+    static const char axis[] = "xyz";
+    cli_text *const t = &run->report.more;
+    double low[3], high[3];
+
+    for (int a = 0; a < 3; a++) {
+        low[a] = HUGE_VAL;
+        high[a] = -HUGE_VAL;
+        for (uint64_t i = 0; i < points->vertex_count; i++) {
+            size_t const at = (size_t)i * 3 + (size_t)a;
+            double const p = points->position_type == BVX_F32 ? (double)((const float *)points->positions)[at] : ((const double *)points->positions)[at];
+            low[a] = p < low[a] ? p : low[a];
+            high[a] = p > high[a] ? p : high[a];
+        }
+    }
+
+    cli_text_add(t, ", \"cloud\": {\"path\": ");
+    cli_json_string(t, path);
+    cli_json_count(t, "points", points->vertex_count);
+    cli_json_triple(t, "low", low);
+    cli_json_triple(t, "high", high);
+    cli_text_add(t, "}");
+    cli_say(run, "%s\n  points      %" PRIu64 ", no triangles\n", cli_input_name(path), points->vertex_count);
+    for (int a = 0; a < 3; a++) cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], low[a], high[a], high[a] - low[a]);
+    return CLI_DONE;
+}
+
+static int holds_samples(int32_t format)
+{
+    return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI;
+}
+
+static int read_for_info(cli_run *run, cli_input *in, int *cloud)
 {
     const char *const path = run->options.input[0];
-    int kind, status = cli_input_kind(run, path, &kind);
+    int const points = cli_input_format(run, path) == BVX_FORMAT_XYZ;
+    int kind = CLI_MESH, status = points ? CLI_DONE : cli_input_kind(run, path, &kind);
     memset(in, 0, sizeof *in);
+    in->path = path;
+    in->kind = kind;
+    *cloud = 0;
     if (status != CLI_DONE) return status;
+    if (cli_input_format(run, path) == BVX_FORMAT_RAW)
+        return cli_fail(run, "%s: samples alone tell nothing; 'bitvox convert' with --shape, --sample-type and --level, --range or --label "
+                        "makes a grid of them", cli_input_name(path));
     if (run->options.count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
-    return kind == CLI_GRID ? cli_read_grid_or_tree(run, path, NULL, in) : cli_read_input(run, path, in);
+    if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0) {
+        status = cli_tell_samples(run, path);
+        if (status != CLI_DONE) return status;
+    }
+    return kind == CLI_GRID ? cli_read_grid_or_tree(run, path, NULL, in) : cli_read_mesh_or_cloud(run, path, &in->mesh, cloud);
 }
 
 static int run_info(cli_run *run)
 {
     cli_input in;
-    int status = read_for_info(run, &in);
-    if (status == CLI_DONE)
+    int cloud, status = read_for_info(run, &in, &cloud);
+    if (status == CLI_DONE && cloud) status = info_of_cloud(run, &in.mesh, in.path);
+    else if (status == CLI_DONE)
         status = in.kind == CLI_MESH ? info_of_mesh(run, &in.mesh) : in.kind == CLI_TREE ? info_of_tree(run, &in) : info_of_grid(run, &in);
     cli_free_input(run, &in);
     return status;
@@ -252,7 +300,8 @@ const cli_command cli_info = {
     "info", CLI_INFO, 1, 1, "IN [options]", "what a mesh, a grid or an octree is: counts, bounds, closed, manifold, volume; voxels, lattice",
     "Reads a mesh (.stl .obj .ply .off, also with .gz) and tells whether it is closed, manifold and\n"
     "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
-    ".vti .bvx) and tells its voxels, its lattice and the hash of both; or an octree (.bvx) and tells\n"
-    "what each of its levels holds.",
+    ".vti .bvx) and tells its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
+    ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and tells what each of\n"
+    "its levels holds; or a cloud of points (.xyz, .ply) and tells how many, and where they lie.",
     "bitvox info fixtures/knot.ply\n"
     "bitvox info fixtures/knot.ply --crossings --json", run_info};

@@ -16,7 +16,7 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
 /* Options of the methods that sample a solid, and of the one that collapses edges; each with what only it understands. */
 static const char *const of_solid[] = {"--levels", "--threshold", "--edge-samples", "--collapse", "--fill", "--close-gaps", "--padding", NULL};
-static const char *const of_collapse[] = {"--error", "--error-kind", "--count", "--strict", "--even", "--source", "--sharp", "--no-sharp",
+static const char *const of_collapse[] = {"--error", "--error-kind", "--count", "--strict", "--even", "--source", "--open", "--sharp", "--no-sharp",
                                           "--outer-hull", "--least-part", "--least-cavity", "--shell", "--sign", NULL};
 
 static const char *given_of(const cli_run *run, const char *const *names)
@@ -158,8 +158,9 @@ static void say_head(cli_run *run, const cli_chain *c)
         return;
     }
     cli_say_input(run, c->input.triangle_count, &c->certificate, c->diagonal);
-    cli_say(run, "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64 " set, %.1f ms\n\n", l->dims[0],
-            l->dims[1], l->dims[2], c->resolution, c->chosen, run->report.set, c->solid_seconds * 1e3);
+    cli_say(run, "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64 " set by %s, %.1f ms\n\n", l->dims[0],
+            l->dims[1], l->dims[2], c->resolution, c->chosen, run->report.set, cli_fill_names[c->solid_report.fill], c->solid_seconds * 1e3);
+    cli_report_solid(run, l, &c->solid_report);
 }
 
 static void say_levels(cli_run *run, const cli_chain *c)

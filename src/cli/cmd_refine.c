@@ -11,7 +11,7 @@ enum { REFINE_BASE = 8, REFINE_LEVELS = 6, REFINE_AUTO = -1 };
 /* An octree has been refined: what the options for that would ask is decided. */
 static int check_options_for_tree(cli_run *run)
 {
-    static const char *const for_meshes[] = {"--resolution", "--base", "--levels", "--outer-levels", "--adaptive"};
+    static const char *const for_meshes[] = {"--resolution", "--base", "--halvings", "--outer-levels", "--adaptive"};
     for (size_t i = 0; i < sizeof for_meshes / sizeof for_meshes[0]; i++)
         if (cli_given(run, for_meshes[i])) return cli_usage(run, "%s is for meshes; %s is none", for_meshes[i], cli_input_name(run->options.input[0]));
     return CLI_DONE;
@@ -20,7 +20,7 @@ static int check_options_for_tree(cli_run *run)
 /* The number of the last level, REFINE_AUTO when it is to be chosen. */
 static int32_t levels_asked_for(const cli_run *run)
 {
-    if (cli_given(run, "--levels")) return run->options.depth;
+    if (cli_given(run, "--halvings")) return run->options.depth;
     return run->options.resolution.count != 0 ? REFINE_AUTO : REFINE_LEVELS;
 }
 
@@ -29,7 +29,7 @@ static int check_levels(cli_run *run)
     const cli_options *const o = &run->options;
     int32_t const levels = levels_asked_for(run);
     if (o->resolution.count != 0 && o->base_voxels != 0) return cli_usage(run, "--resolution and --base contradict each other");
-    if (levels == REFINE_AUTO && o->resolution.count == 0) return cli_usage(run, "--levels auto needs --resolution");
+    if (levels == REFINE_AUTO && o->resolution.count == 0) return cli_usage(run, "--halvings auto needs --resolution");
     if (cli_given(run, "--outer-levels") && o->window.count == 0) return cli_usage(run, "--outer-levels needs --window");
     if (levels == REFINE_AUTO) return CLI_DONE;
     if (o->outer_levels > levels)
@@ -141,11 +141,11 @@ static int run_refine(cli_run *run)
 const cli_command cli_refine = {
     "refine", CLI_REFINE, 1, 1, "IN -o OUT [options]", "voxels of several sizes, small ones at the surface alone",
     "Reads a mesh (.stl .obj .ply .off, also with .gz), lays --base voxels over it and halves those that\n"
-    "triangles touch --levels times; what a flood from outside cannot reach is inside. Writes the octree\n"
+    "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the octree\n"
     "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the voxels\n"
     "of one level as a grid (.npy .binvox .vox .nrrd .vti, with --expand .bvx), or the last level's surface\n"
     "as a closed mesh (.ply .obj .stl .off .glb; with --leaves the leaves as boxes), and a table of what\n"
     "each level holds. With --window only a part is fine, with --adaptive only what is not flat.",
-    "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --levels 4\n"
+    "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"
     "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"
-    "bitvox refine fixtures/knot.ply -o boxes.ply --levels 4 --leaves --cut z=0", run_refine};
+    "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0", run_refine};

@@ -128,16 +128,18 @@ static int render_sheet(cli_run *run)
     return CLI_DONE;
 }
 
-/* The name of frame i: %d replaced, with zeros before it so that names are in order. */
+/* The name of frame i: %d replaced, with zeros before it so that names are in order, or as many digits as the name says. */
 static int open_frame(cli_run *run, int32_t i, int32_t count)
 {
-    const char *const pattern = run->options.output, *const place = strstr(pattern, "%d");
+    const char *const pattern = run->options.output;
+    size_t length = 0;
+    int digits = 0, status;
+    const char *const place = cli_number_place(pattern, &length, &digits);
     size_t const room = strlen(pattern) + 16;
-    int const digits = count > 100 ? 3 : count > 10 ? 2 : 1;
     char *const path = malloc(room);
-    int status;
+    if (digits == 0) digits = count > 100 ? 3 : count > 10 ? 2 : 1;
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
-    snprintf(path, room, "%.*s%0*" PRId32 "%s", (int)(place - pattern), pattern, digits, i, place + 2);
+    snprintf(path, room, "%.*s%0*" PRId32 "%s", (int)(place - pattern), pattern, digits, i, place + length);
     status = cli_open_output(run, path);
     free(path);
     return status;
@@ -194,12 +196,11 @@ static int check_slices(cli_run *run)
 static int check_turntable(cli_run *run)
 {
     const cli_options *const o = &run->options;
-    const char *const place = strstr(o->output, "%d");
     double direction[3], up[3], turned[3];
     if (o->turntable == 0) return CLI_DONE;
     if (o->inputs > 1 && !o->difference) return cli_usage(run, "--turntable takes one input, or two with --compare");
-    if (place == NULL) return cli_usage(run, "%s: %" PRId32 " frames need %%d in the name, for the number of each", o->output, o->turntable);
-    if (strstr(place + 2, "%d") != NULL) return cli_usage(run, "%s: %%d stands twice in the name", o->output);
+    if (!cli_has_number(o->output)) return cli_usage(run, "%s: %" PRId32 " frames need %%d in the name, for the number of each", o->output, o->turntable);
+    if (cli_has_two_numbers(o->output)) return cli_usage(run, "%s: %%d stands twice in the name", o->output);
     cli_scene_view(o, direction, up);
     if (!cli_turn(direction, up, 0, 1, turned))
         return cli_usage(run, "--turntable turns round the axis of --up; seen along it, all frames would be one picture: take another --from");

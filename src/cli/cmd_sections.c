@@ -8,11 +8,16 @@
 
 enum { BLOCK_PARTS = 8 }; /* fine voxels a block along each axis */
 
+enum { USUAL_DEPTH = 5, DEEPEST = 8 }; /* of --subdivide */
+
+#define LEAST_VOLUME 0.9 /* of the prismoids' volume: less means that parts of neighbouring sections do not join */
+
 typedef struct sections_job {
     bvx_sections sections;
     bvx_sections_report report;
     bvx_mesh mesh;
     double seconds, block_seconds, block_volume;
+    double volume; /* of the body as it is made */
     uint64_t blocks;
     cli_reduction reduction;
 } sections_job;
@@ -86,12 +91,15 @@ static int build_body(cli_run *run, sections_job *job)
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
     job->seconds = cli_stage_end(run);
+    if (status == BVX_ERR_ARGUMENT && strstr(bvx_last_message(run->context), "choose one by its label") != NULL)
+        return cli_fail(run, "%s: the sections hold several bodies; choose one by --label", cli_input_name(o->input[0]));
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     bvx_mesh_view_of(&job->mesh, &view);
     cli_stage_begin(run, "check");
     status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, o->output);
+    job->volume = entry->certificate.volume;
     entry->path = o->output;
     run->report.meshes = 1;
     return CLI_DONE;
@@ -180,23 +188,15 @@ static int make_blocks(cli_run *run, sections_job *job, cli_text *text)
 
 static int write_outputs(cli_run *run, sections_job *job, const cli_text *blocks)
 {
-    const char *const path = run->options.output;
-    bvx_buffer file = {0};
-    bvx_status status;
-    int result;
-    cli_stage_begin(run, "write");
-    status = bvx_write_mesh(run->context, &job->mesh, bvx_format_of_name(path), &file);
-    result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path);
+    int result = cli_write_mesh_as(run, &job->mesh, 0, run->options.output);
+
     if (result == CLI_DONE && run->options.block_model != NULL) {
         bvx_buffer text = {0};
         text.bytes = (uint8_t *)blocks->bytes;
         text.size = blocks->size;
         result = cli_write_output(run, 1, &text);
     }
-    if (result == CLI_DONE) result = cli_keep_outputs(run);
-    cli_stage_end(run);
-    bvx_buffer_free(run->context, &file);
-    return result;
+    return result == CLI_DONE ? cli_keep_outputs(run) : result;
 }
 
 static const char *verdict(const bvx_certificate *c)
@@ -277,6 +277,21 @@ static void report_body(cli_run *run, const sections_job *job)
     cli_text_add(t, "}");
 }
 
+/* A finer grid cuts contours in more places; halving cells where two of them run close together is what helps. */
+static void warn_of_body(cli_run *run, const sections_job *job)
+{
+    const bvx_sections_report *const r = &job->report;
+    int32_t const depth = cli_given(run, "--subdivide") ? run->options.subdivide : USUAL_DEPTH;
+
+    if (r->unkept_edges + r->unkept_loops != 0)
+        cli_warn(run, "%" PRIu64 " edges and %" PRIu64 " loops are too fine for the cells: what joins them to the next section is a "
+                 "guess%s", r->unkept_edges, r->unkept_loops, depth < DEEPEST ? "; take --subdivide 8" : "");
+    if (run->options.caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
+        cli_warn(run, "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no area with one of "
+                 "the next section do not join it; sections that lie closer together do", job->volume / r->prismoid_volume,
+                 job->volume, r->prismoid_volume);
+}
+
 static int run_sections(cli_run *run)
 {
     sections_job job;
@@ -291,9 +306,7 @@ static int run_sections(cli_run *run)
     if (status == CLI_DONE) status = reduce_body(run, &job);
     if (status == CLI_DONE) status = write_outputs(run, &job, &blocks);
     if (status == CLI_DONE) {
-        if (job.report.unkept_edges + job.report.unkept_loops != 0)
-            cli_warn(run, "%" PRIu64 " edges and %" PRIu64 " loops are too fine for the cells: what joins them to the next section is a guess; take a "
-                     "finer grid", job.report.unkept_edges, job.report.unkept_loops);
+        warn_of_body(run, &job);
         if (job.report.repeated_points != 0) cli_warn(run, "%" PRIu64 " repeated points were left out", job.report.repeated_points);
         say_body(run, &job);
         report_body(run, &job);

@@ -1,4 +1,4 @@
-/* cmd_simplify.c - bitvox simplify: fewer triangles for a mesh that is closed, manifold and oriented. */
+/* cmd_simplify.c - bitvox simplify: fewer triangles for a mesh that is manifold, closed or with borders. */
 #include "cli/collapse_run.h"
 
 #include <inttypes.h>
@@ -21,6 +21,12 @@ static void fault_text(const bvx_certificate *c, char *text, size_t room)
     else snprintf(text, room, "not closed");
 }
 
+/* With borders allowed the library says what is wrong, and mends what it can. */
+static int borders_of(const cli_run *run)
+{
+    return cli_given(run, "--open") ? run->options.open : BVX_OPEN_KEEP;
+}
+
 static int check_input(cli_run *run, cli_collapse_run *c)
 {
     const char *const in = cli_input_name(run->options.input[0]);
@@ -31,7 +37,7 @@ static int check_input(cli_run *run, cli_collapse_run *c)
     status = bvx_mesh_check(run->context, &c->view, 1, &c->before);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, in);
-    if (cli_is_sound(&c->before)) return CLI_DONE;
+    if (cli_is_sound(&c->before) || borders_of(run) != BVX_OPEN_SHELL) return CLI_DONE;
 
     fault_text(&c->before, fault, sizeof fault);
     return cli_fail(run,
@@ -53,6 +59,7 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     if (cli_given(run, "--even")) s.even = o->even;
     s.measure_samples = cli_collapse_samples(run, c);
     s.strict = o->strict;
+    s.open = borders_of(run);
     s.reports = c->level;
 
     cli_stage_begin(run, "level 0");
@@ -96,12 +103,13 @@ const cli_command cli_simplify = {
     .least_inputs = 1,
     .most_inputs = 1,
     .usage = "IN -o OUT [options]",
-    .does = "fewer triangles for a closed, manifold mesh, by count or by error",
-    .details = "Reads a mesh (.stl .obj .ply .off, also with .gz) that is closed, manifold and oriented, collapses\n"
-               "the edges that cost least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
+    .does = "fewer triangles for a manifold mesh, by count or by error",
+    .details = "Reads a mesh (.stl .obj .ply .off, also with .gz) that is manifold, collapses the edges that cost\n"
+               "least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
                "as --error allows (.ply .obj .stl .off .glb). No collapse joins what is apart, turns a triangle or\n"
                "makes two cross; a target below what that allows gives the smallest mesh that keeps it, marked\n"
-               "NOT MET. Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one .glb holds all.\n"
+               "NOT MET. A closed mesh stays closed; an open one keeps its borders, unless --open says otherwise.\n"
+               "Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one .glb holds all.\n"
                "For any other mesh take lod.",
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
                "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",

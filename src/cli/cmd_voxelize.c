@@ -47,6 +47,7 @@ static int check_volume(cli_run *run, bvx_window *window)
     for (size_t i = 0; i < sizeof of_meshes / sizeof of_meshes[0]; i++)
         if (cli_given(run, of_meshes[i]))
             return cli_usage(run, "%s is for meshes; %s is a volume", of_meshes[i], cli_input_name(run->options.input[0]));
+    if (cli_check_cloud_options(run, "a volume") != CLI_DONE) return CLI_USAGE;
     return cli_window_option(run, window);
 }
 

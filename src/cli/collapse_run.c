@@ -216,7 +216,8 @@ static void warn_of_count(cli_run *run, const bvx_level_report *l, const char *w
     int64_t const handles = (int64_t)l->certificate.components - l->certificate.euler / 2;
     char kept[64] = "";
 
-    if (handles > 0) snprintf(kept, sizeof kept, " with its %" PRId64 " handle%s", handles, handles == 1 ? "" : "s");
+    if (handles > 0 && l->certificate.closed)
+        snprintf(kept, sizeof kept, " with its %" PRId64 " handle%s", handles, handles == 1 ? "" : "s");
     cli_warn(run,
              "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64
              " are the fewest that collapsing edges leaves sound%s",

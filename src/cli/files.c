@@ -190,6 +190,10 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
         if (result == Z_STREAM_END) {
             while (taken < packed->size && packed->bytes[taken] == 0) taken++;
             if (taken == packed->size) return CLI_DONE;
+            if (packed->size - taken < 2 || packed->bytes[taken] != 0x1f || packed->bytes[taken + 1] != 0x8b) {
+                cli_warn(run, "%s: gzip: %" PRIu64 " bytes behind the data are left out", cli_input_name(path), (uint64_t)(packed->size - taken));
+                return CLI_DONE;
+            }
             inflateReset(z);
         } else if (result == Z_BUF_ERROR && taken == packed->size) {
             return cli_fail(run, "%s: gzip: the data end in their middle, at byte %" PRIu64, cli_input_name(path), (uint64_t)taken);

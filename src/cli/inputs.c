@@ -178,6 +178,16 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
     return status;
 }
 
+static int refuse_of_trees(cli_run *run, const char *path, const char *kind)
+{
+    static const char *const of_trees[] = {"--expand", "--states"};
+
+    for (size_t i = 0; i < sizeof of_trees / sizeof of_trees[0]; i++)
+        if (cli_given(run, of_trees[i]))
+            return cli_usage(run, "%s is for octrees; %s is %s", of_trees[i], cli_input_name(path), kind);
+    return CLI_DONE;
+}
+
 int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed)
 {
     static const bvx_window all = {{0, 0, 0}, {0, 0, 0}};
@@ -185,7 +195,7 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
     int status = cli_read_grid_or_tree(run, path, window, &in);
     if (status == CLI_DONE && in.kind == CLI_TREE)
         status = cli_expand_tree(run, in.tree, window != NULL ? window : &all, cli_input_name(path), &in.grid);
-    else if (status == CLI_DONE && cli_given(run, "--expand")) status = cli_usage(run, "--expand is for octrees; %s is a grid", cli_input_name(path));
+    else if (status == CLI_DONE) status = refuse_of_trees(run, path, "a grid");
     bvx_octree_free(run->context, in.tree);
     *grid = in.grid;
     *placed = in.placed;
@@ -215,7 +225,7 @@ int cli_read_input(cli_run *run, const char *path, cli_input *input)
     status = cli_input_kind(run, path, &input->kind);
     if (status != CLI_DONE) return status;
     if (input->kind == CLI_GRID) return cli_read_grid(run, path, NULL, &input->grid, &input->placed);
-    if (cli_given(run, "--expand")) return cli_usage(run, "--expand is for octrees; %s is a mesh", cli_input_name(path));
+    if (refuse_of_trees(run, path, "a mesh") != CLI_DONE) return CLI_USAGE;
     return cli_read_mesh(run, path, &input->mesh);
 }
 

@@ -35,6 +35,18 @@ static void target_text(const bvx_level_report *l, double diagonal, char *text, 
     else snprintf(text, room, "%" PRIu64, l->target);
 }
 
+/* Sheets are open as they were asked to be. */
+static void defect_text(const bvx_level_report *l, char *text, size_t room)
+{
+    const bvx_certificate *const c = &l->certificate;
+
+    if (!c->edge_manifold || !c->vertex_manifold || !c->oriented) snprintf(text, room, "NO");
+    else if (l->crossings == 0) snprintf(text, room, "but open, %" PRIu64 " border edges", c->boundary_edges);
+    else
+        snprintf(text, room, "NO, open, %" PRIu64 " border edges, %" PRIu64 " pairs cross", c->boundary_edges,
+                 l->crossings);
+}
+
 void cli_say_collapsed(cli_run *run, int count, double diagonal)
 {
     cli_say(run, "level  triangles  asked for    share  smallest angle  pieces  target   closed, manifold, "
@@ -42,12 +54,12 @@ void cli_say_collapsed(cli_run *run, int count, double diagonal)
     for (int i = 0; i < count; i++) {
         const cli_mesh_entry *const m = &run->report.mesh[i];
         const bvx_level_report *const l = m->level;
-        char target[32], sound[64] = "yes";
+        char target[32], sound[96] = "yes";
 
         target_text(l, diagonal, target, sizeof target);
         if (l->crossings != 0)
             snprintf(sound, sizeof sound, "NO, %" PRIu64 " pairs of triangles cross", l->crossings);
-        if (!cli_is_sound(&m->certificate)) snprintf(sound, sizeof sound, "NO");
+        if (!cli_is_sound(&m->certificate)) defect_text(l, sound, sizeof sound);
         cli_say(run, "%5d %10" PRIu64 " %10s %7.2f%% %10.2f deg %7" PRIu64 "  %-7s  %s\n", i,
                 m->certificate.triangles, target, m->rate * 100.0, l->least_angle, m->certificate.components,
                 l->met ? "met" : "NOT MET", sound);

@@ -35,7 +35,11 @@ static int check_measured_options(cli_run *run)
         return cli_usage(run, "%s is for volumes; %s is a mesh", volume, cli_input_name(o->input[0]));
     if (o->source == BVX_LEVELS_MESH && measured != NULL)
         return cli_usage(run, "%s is for a measured surface, and --source mesh measures none", measured);
-    if (o->sharp && o->no_sharp) return cli_usage(run, "--sharp and --no-sharp exclude each other");
+    if (o->open != BVX_OPEN_SHELL && (o->source == BVX_LEVELS_MEASURED || measured != NULL))
+        return cli_usage(run, "--open %s keeps borders, and a measured surface (%s) has none",
+                         o->open == BVX_OPEN_KEEP ? "keep" : "cut",
+                         measured != NULL ? measured : "--source measured");
+    if (cli_check_sharp(run) != CLI_DONE) return CLI_USAGE;
     if (o->outer_hull && cli_given(run, "--least-cavity"))
         return cli_usage(run, "--outer-hull fills every cavity; --least-cavity has no use beside it");
     if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
@@ -56,6 +60,7 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     b->measure_samples = cli_collapse_samples(run, &l->run);
     b->strict = o->strict;
     b->source = o->source;
+    b->open = o->open;
 
     if (o->resolution.count != 0) b->resolution = (int32_t)o->resolution.value[0];
     b->sign = o->sign;
@@ -69,6 +74,23 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
 }
 
 /* ---- Levels ---- */
+
+/* Borders that were to be kept, and why they are not. */
+static void warn_of_sheets(cli_run *run, const lod_collapse *l)
+{
+    const bvx_levels_report *const r = &l->report;
+    const double *const a = r->refused_edge[0], *const b = r->refused_edge[1];
+
+    if (run->options.open == BVX_OPEN_SHELL || r->refused_edges == 0) return;
+    if (run->options.open == BVX_OPEN_CUT)
+        cli_warn(run, "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut",
+                 r->refused_edges, r->refused_edges == 1 ? "" : "s", r->refused_edges == 1 ? "was" : "were");
+    else
+        cli_warn(run,
+                 "sheets became shells: %" PRIu64 " edge%s three triangles or more, or some that cannot agree, the "
+                 "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --open cut cuts there",
+                 r->refused_edges, r->refused_edges == 1 ? " has" : "s have", a[0], a[1], a[2], b[0], b[1], b[2]);
+}
 
 static int is_measured(const lod_collapse *l)
 {
@@ -158,6 +180,10 @@ static void report_levels(cli_run *run, const lod_collapse *l)
     cli_json_count(t, "input_components", l->report.before.components);
     cli_json_value(t, "input_volume", l->report.before.volume);
     cli_json_count(t, "input_crossings", l->report.crossings);
+    cli_json_count(t, "input_border_edges", l->report.before.boundary_edges);
+    cli_json_count(t, "doubles", l->report.doubles);
+    cli_json_count(t, "turned", l->report.turned);
+    cli_json_count(t, "refused_edges", l->report.refused_edges);
     cli_json_count(t, "crumbs", l->report.crumbs);
     cli_json_count(t, "surface_triangles", l->report.triangles);
     cli_json_count(t, "surface_components", l->run.surface.components);
@@ -190,6 +216,7 @@ int cli_lod_by_collapse(cli_run *run)
     if (status == CLI_DONE) status = cli_finish_collapse(run, &l.run, say_lod_head);
     if (status == CLI_DONE) {
         warn_of_unused(run, &l);
+        warn_of_sheets(run, &l);
         report_levels(run, &l);
     }
     cli_free_collapse(run, &l.run);

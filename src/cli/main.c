@@ -12,6 +12,8 @@
 #include <string.h>
 #if MAIN_POSIX
 #include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
 #include <unistd.h>
 #endif
 
@@ -38,9 +40,24 @@ static const cli_command *find_command(const char *name)
     return NULL;
 }
 
+/* A reader that has seen enough, as head has, is no failure: the program ends as others do, by the signal and without a
+ * word. All files are written by now. */
+static void end_without_reader(void)
+{
+#if MAIN_POSIX
+    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
+
+    if (poll(&out, 1, 0) != 1 || (out.revents & POLLERR) == 0) return;
+    signal(SIGPIPE, SIG_DFL);
+    raise(SIGPIPE);
+#endif
+}
+
 static int end_of_output(cli_run *run)
 {
-    return fflush(stdout) == 0 && !ferror(stdout) ? CLI_DONE : cli_fail(run, "standard output cannot be written");
+    if (fflush(stdout) == 0 && !ferror(stdout)) return CLI_DONE;
+    end_without_reader();
+    return cli_fail(run, "standard output cannot be written");
 }
 
 /* ---- help ---- */
@@ -101,7 +118,6 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     bvx_status status;
     bvx_context_options_init(&o, sizeof o);
     o.threads = run->options.threads;
-    cli_pool_offer(&o);
     cli_blocks_offer(&o);
     o.progress = cli_progress;
     o.progress_user = run;
@@ -114,9 +130,11 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
 /* The last words: the report of --json, or what is left of the text. */
 static int end_of_run(cli_run *run, int status)
 {
-    if (run->options.json && !cli_report_print(run, status) && status == CLI_DONE)
-        status = cli_fail(run, "standard output cannot be written");
-    return status == CLI_DONE ? end_of_output(run) : status;
+    if (!run->options.json || cli_report_print(run, status)) return status == CLI_DONE ? end_of_output(run) : status;
+
+    if (status != CLI_DONE) return status;
+    end_without_reader();
+    return cli_fail(run, "standard output cannot be written");
 }
 
 static int run_command(cli_run *run, int count, char **word)
@@ -177,6 +195,7 @@ int main(int count, char **word)
     hold_standard_streams();
     cli_watch_start();
     run.options.samples = -1;
+    run.options.fill = BVX_FILL_AUTO;
     status = run_words(&run, count - 1, word + 1);
     cli_watch_end(status);
     return status;

@@ -37,15 +37,17 @@
 #define MAKES_LEVELS (CLI_LOD | CLI_SIMPLIFY)
 #define REDUCES (CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | CLI_VOXELIZE)
 
+#define WRITES_MESHES (REDUCES | MAKES_LEVELS | CLI_FACES | CLI_CONVERT | CLI_REFINE)
+
 /* In the order of their numbers. */
 static const char *const method_names[] = {"edge-ratio", "coverage", "collapse", NULL};
 static const char *const error_names[] = {"mean", "max", NULL};
 static const char *const source_names[] = {"auto", "mesh", "measured", NULL};
-const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding", NULL};
+const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding", "auto", NULL};
 const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", "field", NULL};
 const char *const cli_sign_names[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none", NULL};
 static const char *const repair_sign_names[] = {"auto", "exact", "", "", "winding", "vote", NULL};
-static const char *const boolean_fill_names[] = {"parity", "nonzero", "vote", "", "", "", "winding", NULL};
+static const char *const boolean_fill_names[] = {"parity", "nonzero", "vote", "", "", "", "winding", "auto", NULL};
 static const char *const edge_names[] = {"vector", "scalar", "middle", "paper", "tangent", NULL};
 static const char *const value_type_names[] = {"f32", "f64", NULL};
 static const char *const axis_names[] = {"x", "y", "z", NULL};
@@ -58,10 +60,15 @@ static const char *const auto_names[] = {"auto", NULL};
 static const char *const caps_names[] = {"flat", "taper", "open", NULL};
 static const char *const crossings_names[] = {"exact", "paper", "classic", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
+static const char *const thin_names[] = {"shell", "keep", "drop", NULL};
 /* By BVX_SAMPLE_... */
 static const char *const sample_type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", NULL};
 /* By BVX_FORMAT_...; those that are only written have no name here. */
 static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", "", "raw", "xyz", NULL};
+
+/* By BVX_OPEN_..., of lod and then of simplify. */
+static const char *const open_names[] = {"shell", "keep", "cut", NULL};
+static const char *const open_input_names[] = {"refuse", "keep", "cut", NULL};
 
 static const char *const contour_format_names[] = {"csl", "csv", NULL};
 
@@ -103,6 +110,12 @@ static const cli_argument arguments[] = {
     CHOICE("--source", "WHAT", CLI_LOD, source, source_names, BVX_LEVELS_AUTO,
            "what levels are made from. mesh: the mesh itself, which must be closed,\nmanifold and oriented; measured: its surface, measured as repair does;\n"
            "auto: the mesh where it is that and does not cross itself [auto; measured with\n--resolution, --sign, --least-part, --least-cavity, --outer-hull]"),
+    CHOICE("--open", "WHAT", CLI_LOD, open, open_names, BVX_OPEN_SHELL,
+           "what becomes of open sheets. shell: thin closed shells; keep: they stay\nopen, with their borders, and what joins three triangles at an edge is\n"
+           "measured; cut: as keep, but cut along such edges [shell]"),
+    CHOICE("--open", "WHAT", CLI_SIMPLIFY, open, open_input_names, BVX_OPEN_SHELL,
+           "what becomes of open sheets. keep: they stay open, with their borders;\ncut: as keep, but cut along edges of three triangles and more;\n"
+           "refuse: they are an error [keep]"),
     FLAG("--sharp", CLI_LOD, sharp, "of the measured surface: put vertices on sharp edges and corners"),
     FLAG("--no-sharp", CLI_LOD, no_sharp, "put none there [where many of the mesh's edges are sharp]"),
     FLAG("--outer-hull", CLI_LOD, outer_hull, "inner shells and cavities go"),
@@ -126,19 +139,20 @@ static const cli_argument arguments[] = {
             "with --mode field: how far from the surface centres have a distance,\nin voxels; 0: all have one [3]"),
     CHOICE("--sign", "RULE", CLI_VOXELIZE, sign, cli_sign_names, BVX_SIGN_AUTO,
            "with --mode field, what is inside. exact: as --fill parity; winding:\nholes and overlaps; vote: holes and flipped triangles; pseudonormal,\n"
-           "normal: the side of the closest place or triangle; none; auto: exact\nfor closed meshes, else vote where triangles are flipped, else winding\n[auto]"),
+           "normal: the side of the closest place or triangle; none; auto: as\n--fill auto [auto]"),
     FLAG("--vectors", CLI_VOXELIZE, vectors, "with --mode field: vectors to the closest points, not distances"),
     CHOICE("--value-type", "TYPE", CLI_VOXELIZE, value_type, value_type_names, BVX_F32, "with --mode field: f32 or f64 [f32]"),
     CHOICE("--fill", "RULE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES | CLI_MORPH, fill, cli_fill_names, BVX_FILL_PARITY,
+           "auto: parity where closed shells do not cross, nonzero where they do,\nwinding where there are holes, flipped triangles turned before;\n"
            "parity: nested shells are cavities; nonzero: overlapping and\ninverted shells are one solid; vote: what rows along three axes agree\n"
-           "on, else all directions, for meshes with holes; flood: what a flood\nfrom outside cannot reach, cavities included; regions: what the\n"
+           "on, else all directions, whichever way triangles face; flood: what a\nflood from outside cannot reach, cavities included; regions: what the\n"
            "surface parts is inside or outside as a whole; below: all under a terrain;\n"
-           "winding: more than half a turn, for holes in overlapping parts [parity]"),
+           "winding: more than half a turn, for holes in overlapping parts [auto]"),
     WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES | CLI_MORPH, close_gaps, 0, 65535,
           "with --fill flood, or --body: gaps of up to N voxels hold the flood [0]"),
     CHOICE("--fill", "RULE", CLI_BOOLEAN, fill, boolean_fill_names, BVX_FILL_PARITY,
-           "what is inside a mesh. parity: nested shells are cavities; nonzero:\noverlapping and inverted shells are one solid; vote, winding: for\n"
-           "meshes with holes [parity]"),
+           "what is inside a mesh. auto: what suits it; parity: nested shells are\ncavities; nonzero: overlapping and inverted shells are one solid; vote,\n"
+           "winding: for meshes with holes [auto]"),
     FLAG("--resample", CLI_BOOLEAN, resample, "bring a grid of another lattice to that of A, by its values at the\nvoxels' centres"),
     WHOLE("--minimum", "N", CLI_VOXELIZE, minimum, 1, 2147483647.0, "of a cloud: points that a voxel needs to be set [1]"),
     FLAG("--body", CLI_VOXELIZE, body, "of a cloud: set what a flood from outside cannot reach too"),
@@ -162,9 +176,9 @@ static const cli_argument arguments[] = {
     TRIPLE("--voxel-size", "X,Y,Z", TAKES_VOLUMES, voxel_size, "sides of a voxel of a .raw file [1,1,1]"),
     FLAG("--merge", CLI_FACES, merge, "faces of one plane become few rectangles"),
     LIST("--resolution", "N", CLI_REFINE, resolution, 1, LARGEST_SIDE, 1, 1,
-         "voxels of the last level along the longest axis, at least, in place\nof --base [--base x 2^--levels]"),
+         "voxels of the last level along the longest axis, at least, in place\nof --base [--base x 2^--halvings]"),
     WHOLE("--base", "N", CLI_REFINE, base_voxels, 1, LARGEST_SIDE, "voxels along the longest axis before any is halved [8]"),
-    WHOLE_OR("--levels", "L|auto", CLI_REFINE, depth, 0, 25, auto_names, -1,
+    WHOLE_OR("--halvings", "L|auto", CLI_REFINE, depth, 0, 25, auto_names, -1,
              "how many times voxels are halved [6]; auto: with --resolution, as it\ntakes least time by an estimate [auto with --resolution]"),
     WHOLE("--outer-levels", "L", CLI_REFINE, outer_levels, 0, 25, "with --window: how many times beyond it [0]"),
     BETWEEN("--adaptive", "T", CLI_REFINE, adaptive, 0, 1e300,
@@ -199,17 +213,24 @@ static const cli_argument arguments[] = {
            "of a mesh: edges of the result collapse until it would lie further than\nE from what it was, in its unit or with % in percent of its diagonal"),
     CHOICE("--error-kind", "KIND", REDUCES, error_kind, error_names, BVX_ERROR_MEAN, "of --error: the mean of both ways, or max, the largest one [mean]"),
     CHOICE("--sign", "RULE", CLI_REPAIR | CLI_LOD, sign, repair_sign_names, BVX_SIGN_AUTO,
-           "winding: holes and overlaps; vote: holes and flipped triangles;\nexact: nested shells are cavities; auto: vote where triangles are\nflipped, else winding [auto]"),
+           "winding: holes and overlaps; vote: holes and flipped triangles;\nexact: nested shells are cavities; auto: winding, flipped triangles\nturned before, or vote where they cannot be oriented [auto]"),
     CHOICE("--interpolation", "HOW", CLI_REPAIR | CLI_BOOLEAN, interpolation, edge_names, BVX_EDGE_VECTOR,
            "tangent: from the planes at the closest points; vector: from the line\nthrough them; scalar: from the signed distance; middle; paper: vector\nwith the paper's clamps [tangent]"),
     FLAG("--sharp", CLI_REPAIR | CLI_BOOLEAN, sharp, "put vertices on sharp edges and corners"),
+    FLAG("--no-sharp", CLI_REPAIR | CLI_BOOLEAN, no_sharp, "put none there [where many of a mesh's edges are sharp]"),
+    CHOICE("--thin", "WHAT", CLI_REPAIR, thin, thin_names, BVX_THIN_SHELL,
+           "walls of bodies too thin for the voxels. shell: pieces without a voxel\nbecome shells, other walls are lost where no centre lies in them, with a\nwarning; keep: all whole, about as thick as they are; drop: lost [shell]"),
     FROM_TO("--shell", "T", CLI_REPAIR | CLI_LOD, shell, 0, 1e6, "thickness of shells in voxels, from 1.5; 0: none are made [2]"),
-    LONG("--least-part", "N", CLI_REPAIR | CLI_LOD, least_part, 0, 1e15, "parts of fewer voxels are dropped [0]"),
+    LONG("--least-part", "N", CLI_REPAIR | CLI_LOD | CLI_BOOLEAN, least_part, 0, 1e15,
+         "parts of fewer voxels are dropped, 0: none is [crumbs: small, nowhere three\nvoxels thick, where the mesh has no part of its own]"),
     LONG("--least-cavity", "N", CLI_REPAIR | CLI_LOD, least_cavity, 0, 1e15, "cavities of fewer voxels are filled [0]"),
+    FLAG("--if-needed", CLI_REPAIR, if_needed, "copy a mesh that needs nothing, its positions as they are"),
     FLAG("--measure", CLI_REPAIR, measure, "tell distances between input and result, and overlaps"),
     FLAG("--normals", CLI_CONVERT | CLI_REPAIR | MAKES_LEVELS, normals,
          "of a mesh: also write smooth normals of its vertices to .ply and .obj,\n"
          "averaged by area over sharp edges too; .glb always has them"),
+    TRIPLE("--output-origin", "X,Y,Z", WRITES_MESHES, output_origin,
+           "of a mesh: taken from the positions in the file, as .stl and other\n32-bit floats need it far from the origin [0,0,0]"),
     FLAG("--carry", CLI_REPAIR, carry, "give the result the colours and texture coordinates of the nearest\npoints on the input"),
     FLAG("--carry", MAKES_LEVELS, carry, "give each level the colours and texture coordinates of the nearest\npoints on the mesh"),
     LONG("--samples", "N", MAKES_LEVELS | CLI_COMPARE, samples, 0, 2147483647, "points on each mesh for the distances, 0: none [20000]"),

@@ -45,17 +45,20 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
 static uint64_t rows_of(const bvx_grid *g, int32_t fill)
 {
     uint64_t const x = (uint64_t)g->size[0], y = (uint64_t)g->size[1], z = (uint64_t)g->size[2];
-    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO ? y * z : y * z + x * z + x * y;
+    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO || fill == BVX_FILL_WINDING ? y * z : y * z + x * z + x * y;
 }
 
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *r)
 {
-    uint64_t const rows = rows_of(grid, run->options.fill);
+    uint64_t const rows = rows_of(grid, r->fill);
     if (r->unbalanced_rows != 0 && r->dropped != 0)
         cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
                  " crossings were dropped", r->unbalanced_rows, rows, r->dropped);
     else if (r->unbalanced_rows != 0)
         cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", r->unbalanced_rows, rows);
+    if (r->fill_reason == BVX_FILL_REASON_NESTED)
+        cli_warn(run, "closed shells lie in others that face the same way and cross none: what lies in both is hollow; --fill nonzero has "
+                 "it solid");
     if (r->leaks != 0)
         cli_warn(run, "the flood came through a hole to %" PRIu64 " voxels that are surely inside; a larger --close-gaps may hold it, "
                  "--fill vote or regions does without", r->leaks);
@@ -86,6 +89,18 @@ int cli_fill_input(cli_run *run, cli_input *in)
     return CLI_DONE;
 }
 
+/* In the order of BVX_FILL_REASON_... */
+const char *const cli_fill_reasons[] = {"asked", "sound", "nested", "overlap", "open", "unorientable"};
+
+void cli_say_fill(cli_run *run, int32_t fill, int32_t reason, uint64_t turned)
+{
+    static const char *const why[] = {"", ": closed, nothing lies inside twice", ": closed shells lie in others and cross none",
+                                      ": closed shells cross", ": open edges", ": triangles that cannot be oriented"};
+    cli_say(run, "  fill        %s%s", cli_fill_names[fill], why[reason]);
+    if (turned != 0) cli_say(run, "; %" PRIu64 " triangle%s turned round", turned, turned == 1 ? "" : "s");
+    cli_say(run, "\n");
+}
+
 static double voxel_volume(const bvx_lattice *l)
 {
     return l->spacing[0] * l->spacing[1] * l->spacing[2];
@@ -95,7 +110,7 @@ void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_rep
 {
     const cli_options *const o = &run->options;
     double const voxel = voxel_volume(lattice);
-    cli_say(run, "  fill        %s\n", cli_fill_names[o->fill]);
+    cli_say_fill(run, r->fill, r->fill_reason, r->turned);
     if (r->surface_voxels != 0) cli_say(run, "  surface     %" PRIu64 " voxels", r->surface_voxels);
     if (r->closed_voxels != 0) cli_say(run, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
     if (r->surface_voxels != 0) cli_say(run, "\n");
@@ -115,7 +130,8 @@ void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_
     const cli_options *const o = &run->options;
     cli_text *const t = &run->report.more;
     double const voxel = voxel_volume(lattice);
-    cli_text_add(t, ", \"solid\": {\"fill\": \"%s\"", cli_fill_names[o->fill]);
+    cli_text_add(t, ", \"solid\": {\"fill\": \"%s\", \"reason\": \"%s\"", cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
+    cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "triangles_used", r->triangles_used);
     cli_json_count(t, "crossings", r->crossings);
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);

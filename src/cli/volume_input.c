@@ -16,6 +16,14 @@ enum { DATA_NAME_ROOM = 4096 };
 
 /* ---- what is asked for ---- */
 
+static const char *const of_raw[] = {"--shape", "--sample-type", "--big-endian", "--skip", "--voxel-size", NULL};
+static const char *const of_volumes[] = {"--level", "--range", "--label", "--all-labels", "--below", NULL};
+
+static int may_be_volume(int32_t format)
+{
+    return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI || format == BVX_FORMAT_RAW;
+}
+
 static int selections(const cli_run *run)
 {
     static const char *const names[] = {"--level", "--range", "--all-labels"};
@@ -38,17 +46,53 @@ static int ends_with(const char *path, const char *ending)
 int cli_is_volume(const cli_run *run, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
-    int const holds = format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI || format == BVX_FORMAT_RAW;
-    return holds && (cli_selects(run) || format == BVX_FORMAT_RAW || ends_with(path, ".nhdr"));
+    return may_be_volume(format) && (cli_selects(run) || format == BVX_FORMAT_RAW || ends_with(path, ".nhdr"));
+}
+
+static int refuse_for_input(cli_run *run, const char *option, const char *path)
+{
+    int32_t const format = cli_input_format(run, path);
+    const char *const kind = cli_kind_of_format(format) == CLI_MESH ? "a mesh" : format == BVX_FORMAT_XYZ ? "a cloud of points" : "a grid";
+    const char *const meant = cli_mistaken_for(run, option);
+
+    return cli_usage(run, "%s is for volumes (.nrrd .nhdr .npy .vti .raw); %s is %s%s%s%s", option, cli_input_name(path), kind,
+                     meant != NULL ? "; is " : "", meant != NULL ? meant : "", meant != NULL ? " meant?" : "");
+}
+
+int cli_check_volume_options(cli_run *run)
+{
+    const char *const *const lists[2] = {of_volumes, of_raw};
+    const cli_options *const o = &run->options;
+    const char *given = NULL;
+    int volumes = 0, raw = 0;
+
+    if ((run->command->bit & (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0) return CLI_DONE;
+    for (int i = 0; i < o->inputs; i++) {
+        int32_t const format = cli_input_format(run, o->input[i]);
+        if (cli_kind_of_format(format) == 0 && format != BVX_FORMAT_RAW && format != BVX_FORMAT_XYZ) return CLI_DONE; /* refused later, by its name */
+        volumes += may_be_volume(format);
+        raw += format == BVX_FORMAT_RAW;
+    }
+
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; lists[k][i] != NULL && given == NULL; i++)
+            if (cli_given(run, lists[k][i])) given = lists[k][i];
+    if (given == NULL) return CLI_DONE;
+    if (volumes == 0) return refuse_for_input(run, given, o->input[0]);
+
+    if (cli_given(run, "--below") && !cli_given(run, "--level")) return cli_usage(run, "--below needs --level");
+    for (int i = 0; of_raw[i] != NULL && raw == 0; i++)
+        if (cli_given(run, of_raw[i]))
+            return cli_usage(run, "%s is for .raw files; %s tells it itself", of_raw[i], cli_input_name(o->input[0]));
+    return CLI_DONE;
 }
 
 int cli_check_selection(cli_run *run, const char *path)
 {
-    static const char *const of_raw[] = {"--shape", "--sample-type", "--big-endian", "--skip", "--voxel-size"};
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
     if (selections(run) > 1) return cli_usage(run, "--level, --range, --label and --all-labels exclude each other");
     if (cli_given(run, "--below") && !cli_given(run, "--level")) return cli_usage(run, "--below needs --level");
-    for (size_t i = 0; i < sizeof of_raw / sizeof of_raw[0] && !raw; i++)
+    for (int i = 0; of_raw[i] != NULL && !raw; i++)
         if (cli_given(run, of_raw[i]))
             return cli_usage(run, "%s is for .raw files; %s tells it itself", of_raw[i], cli_input_name(path));
     if (raw && (!cli_given(run, "--shape") || !cli_given(run, "--sample-type")))

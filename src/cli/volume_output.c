@@ -16,7 +16,7 @@ typedef struct volume_job {
 static int check_volume_output(cli_run *run, int *kind)
 {
     const char *const out = run->options.output;
-    int const has_number = strstr(out, "%d") != NULL;
+    int const has_number = cli_has_number(out);
     *kind = cli_kind_of_format(bvx_format_of_name(out));
     if (*kind == 0 || cli_is_packed(out))
         return cli_usage(run, "%s: the name ends in no grid format that is written (.npy .binvox .vox .nrrd .vti .bvx), and in no mesh "
@@ -26,7 +26,7 @@ static int check_volume_output(cli_run *run, int *kind)
     if (run->options.all_labels && (*kind != CLI_MESH || !has_number))
         return cli_usage(run, "--all-labels writes a mesh for each label: %s needs %%d in the name of a mesh", out);
     if (!run->options.all_labels && has_number) return cli_usage(run, "%s: %%d is for --all-labels", out);
-    if (has_number && strstr(strstr(out, "%d") + 2, "%d") != NULL) return cli_usage(run, "%s: %%d stands twice in the name", out);
+    if (cli_has_two_numbers(out)) return cli_usage(run, "%s: %%d stands twice in the name", out);
     return CLI_DONE;
 }
 
@@ -101,7 +101,6 @@ static bvx_status make_grid_mesh(cli_run *run, const bvx_grid *grid, bvx_mesh *m
 static int put_mesh(cli_run *run, bvx_mesh *mesh, int n, const char *path, cli_reduction *reduction)
 {
     cli_mesh_entry *const entry = &run->report.mesh[n];
-    bvx_buffer file = {0};
     bvx_mesh_view view;
     bvx_status status;
     int result = cli_reduce(run, mesh, reduction);
@@ -111,15 +110,10 @@ static int put_mesh(cli_run *run, bvx_mesh *mesh, int n, const char *path, cli_r
     cli_stage_begin(run, "check");
     status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
     cli_stage_end(run);
-    cli_stage_begin(run, "write");
-    if (status == BVX_OK) status = bvx_write_mesh(run->context, mesh, bvx_format_of_name(path), &file);
-    result = status == BVX_OK ? cli_write_output(run, n, &file) : cli_fail_status(run, status, path);
-    cli_stage_end(run);
-    bvx_buffer_free(run->context, &file);
-    if (result != CLI_DONE) return result;
+    if (status != BVX_OK) return cli_fail_status(run, status, path);
     entry->path = path;
     run->report.meshes = n + 1;
-    return CLI_DONE;
+    return cli_write_mesh_as(run, mesh, n, path);
 }
 
 static void say_mesh(cli_run *run, int n)

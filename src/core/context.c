@@ -24,12 +24,17 @@ static int same_interface(int32_t version)
     return version / step == BVX_VERSION / step;
 }
 
+/* Where no threads are built in and none are given all runs on the calling one. */
 static int32_t choose_threads(const bvx_context_options *o)
 {
-    int32_t const offered = bvxi_openmp_threads();
     if (o->parallel != NULL) return o->threads == 0 ? 1 : o->threads;
-    if (offered == 0) return 1;
-    return o->threads == 0 ? offered : o->threads;
+    if (bvxi_pool_size(2) == 0) return 1;
+    return o->threads == 0 ? bvxi_processors() : o->threads;
+}
+
+static size_t aligned_size(size_t size)
+{
+    return (size + BVXI_ALIGN - 1) / BVXI_ALIGN * BVXI_ALIGN;
 }
 
 static int32_t choose_cpu(int32_t wanted)
@@ -39,11 +44,10 @@ static int32_t choose_cpu(int32_t wanted)
 }
 
 /* The context and a word for the arena's chain come off the arena's front; the rest becomes the arena. */
-static bvx_context *place_in_arena(void *memory, uint64_t size, bvxi_arena *arena)
+static bvx_context *place_in_arena(void *memory, uint64_t size, size_t own, bvxi_arena *arena)
 {
     unsigned char *const base = memory;
     size_t const skip = (BVXI_ALIGN - (uintptr_t)base % BVXI_ALIGN) % BVXI_ALIGN;
-    size_t const own = (sizeof(bvx_context) + BVXI_ALIGN - 1) / BVXI_ALIGN * BVXI_ALIGN;
     size_t const fixed = skip + own + BVXI_ALIGN; /* one line at the end holds the chain word */
     if (size > SIZE_MAX || size < fixed + BVXI_ALIGN) return NULL;
     arena->memory = base + skip + own;
@@ -54,12 +58,21 @@ static bvx_context *place_in_arena(void *memory, uint64_t size, bvxi_arena *aren
     return (bvx_context *)(void *)(base + skip);
 }
 
+static void place_pool(bvx_context *c)
+{
+    bvxi_pool *const pool = (bvxi_pool *)(void *)((unsigned char *)c + aligned_size(sizeof *c));
+
+    if (bvxi_pool_begin(pool, c->threads)) c->pool = pool;
+    else c->threads = 1;
+}
+
 bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options, bvx_context **context)
 {
     bvx_context_options o = context_defaults;
     bvxi_arena arena = {0};
     bvx_context *c;
-    size_t given_size = 0;
+    size_t given_size = 0, size;
+    int32_t threads;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     *context = NULL;
     if (!same_interface(header_version)) return BVX_ERR_VERSION;
@@ -76,10 +89,15 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
         o.alloc = bvxi_heap_alloc;
         o.free = bvxi_heap_free;
     }
-    c = o.arena != NULL ? place_in_arena(o.arena, o.arena_size, &arena)
-                        : o.alloc(o.alloc_user, sizeof *c, BVXI_ALIGN);
+
+    /* The helpers' state lies behind the context, in the one block that creating a context takes. */
+    threads = choose_threads(&o);
+    size = aligned_size(sizeof *c) + (o.parallel == NULL ? aligned_size(bvxi_pool_size(threads)) : 0);
+    c = o.arena != NULL ? place_in_arena(o.arena, o.arena_size, size, &arena) : o.alloc(o.alloc_user, size, BVXI_ALIGN);
     if (c == NULL) return BVX_ERR_MEMORY;
+
     memset(c, 0, sizeof *c);
+    c->size = size;
     c->alloc = o.alloc;
     c->free = o.free;
     c->alloc_user = o.alloc_user;
@@ -89,7 +107,8 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     c->parallel_user = o.parallel_user;
     c->progress = o.progress;
     c->progress_user = o.progress_user;
-    c->threads = choose_threads(&o);
+    c->threads = threads;
+    if (size > aligned_size(sizeof *c)) place_pool(c);
     c->cpu = choose_cpu(o.cpu);
     *context = c;
     return BVX_OK;
@@ -97,8 +116,9 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
 
 void bvx_context_destroy(bvx_context *context)
 {
-    if (context == NULL || context->arena.memory != NULL) return;
-    context->free(context->alloc_user, context, sizeof *context, BVXI_ALIGN);
+    if (context == NULL) return;
+    if (context->pool != NULL) bvxi_pool_end(context->pool);
+    if (context->arena.memory == NULL) context->free(context->alloc_user, context, context->size, BVXI_ALIGN);
 }
 
 int32_t bvx_context_threads(const bvx_context *context)

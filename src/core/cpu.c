@@ -1,7 +1,17 @@
-/* cpu.c - which of the faster paths this processor can run. */
+/* cpu.c - which of the faster paths this processor can run.
+ *
+ * -DBVX_NO_CPU_DETECTION leaves the question out, for linkers without the compiler's runtime (__cpu_model), as zig cc for
+ * musl and Windows has them: the portable paths run, or with -mavx2 -mbmi -mbmi2 -mpopcnt what these promise. */
 #include "context.h"
 
-#if defined(__GNUC__) && defined(__x86_64__)
+#if defined(BVX_NO_CPU_DETECTION) && defined(__AVX2__) && defined(__BMI__) && defined(__BMI2__) && defined(__POPCNT__)
+
+int32_t bvxi_cpu_detect(void)
+{
+    return BVX_CPU_AVX2;
+}
+
+#elif defined(__GNUC__) && defined(__x86_64__) && !defined(BVX_NO_CPU_DETECTION)
 
 int32_t bvxi_cpu_detect(void)
 {

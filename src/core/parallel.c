@@ -27,12 +27,12 @@ static void run_shifted(void *user, int32_t index, int32_t worker)
 static void run(bvx_context *ctx, int32_t first, int32_t count, bvx_task_fn *task, void *user)
 {
     shifted s = {task, user, first};
-    if (ctx->threads == 1 || count == 1) {
+    if (ctx->threads == 1 || count == 1 || (ctx->parallel == NULL && ctx->pool == NULL)) {
         for (int32_t i = 0; i < count; i++) task(user, first + i, 0);
     } else if (ctx->parallel != NULL) {
         ctx->parallel(ctx->parallel_user, count, run_shifted, &s);
     } else {
-        bvxi_openmp_run(ctx->threads, count, run_shifted, &s);
+        bvxi_pool_run(ctx->pool, count, run_shifted, &s);
     }
 }
 

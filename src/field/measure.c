@@ -55,9 +55,10 @@ static bvx_status check_measure_choices(bvx_context *ctx, const bvx_field_option
 static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)
 {
     if (field == NULL) return bvxi_fail_null(ctx, measure_name, "field");
+    if (field->band.owned == 1) return BVX_OK; /* the library's own, which go when another one is made */
     if (field->band.words != NULL || field->inside.words != NULL || field->row_values != NULL || field->vectors != NULL ||
         field->distances != NULL || field->triangles != NULL || field->features != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field holds arrays already; free or zero it first", measure_name);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field brings arrays, which are not used; zero it first", measure_name);
     return BVX_OK;
 }
 
@@ -186,7 +187,7 @@ static bvx_status make_inside(bvx_context *ctx, measure_job *job)
     bvxi_sides sides;
     if (f->sign == BVX_SIGN_NONE) return BVX_OK;
     BVXI_TRY(bvxi_grid_open(ctx, measure_name, &f->band.lattice, &job->window, &f->inside));
-    if (!signs_by_features(f->sign)) return bvxi_sign_solid(ctx, job->mesh, f->sign, &f->inside);
+    if (!signs_by_features(f->sign)) return bvxi_sign_solid(ctx, job->mesh, &f->sign, &f->inside);
     sides.mesh = job->mesh;
     sides.band = &f->band;
     sides.first = f->row_values;
@@ -237,7 +238,6 @@ static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, me
     f->value_type = job->o.value_type;
     f->sign = job->o.sign;
     f->half_width = measure_width(lattice, job->o.half_width);
-    if (f->sign == BVX_SIGN_AUTO) BVXI_TRY(bvxi_sign_auto(ctx, job->mesh, &f->sign));
     BVXI_TRY(bvxi_nearest_open(ctx, measure_name, measure_stage, 0.0, 0.15, job->mesh, lattice, &job->nearest));
     BVXI_TRY(make_band(ctx, lattice, job));
     BVXI_TRY(make_values(ctx, job));
@@ -259,7 +259,11 @@ bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, co
         bvxi_free(context, job.triangles, job.field.value_count * 4);
     }
     bvxi_nearest_close(context, job.nearest);
-    if (status != BVX_OK) bvx_field_free(context, &job.field);
-    else *field = job.field;
-    return status;
+    if (status != BVX_OK) {
+        bvx_field_free(context, &job.field);
+        return status;
+    }
+    bvx_field_free(context, field);
+    *field = job.field;
+    return BVX_OK;
 }

@@ -92,6 +92,11 @@ bvx_status bvxi_nearest_open(bvx_context *ctx, const char *function, const char 
     return status;
 }
 
+void bvxi_nearest_prefer_planes(bvxi_nearest *nearest)
+{
+    nearest->by_planes = 1;
+}
+
 void bvxi_nearest_close(bvx_context *ctx, bvxi_nearest *nearest)
 {
     if (nearest == NULL) return;

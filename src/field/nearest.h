@@ -24,6 +24,11 @@ bvx_status bvxi_nearest_open(bvx_context *ctx, const char *function, const char 
                              const bvx_mesh_view *mesh, const bvx_lattice *lattice, bvxi_nearest **nearest);
 void bvxi_nearest_close(bvx_context *ctx, bvxi_nearest *nearest);
 
+/* From here on the answers do not depend on how triangles and corners are numbered or turned: of equally near triangles the one
+ * whose plane is farthest from the centre is taken, where they share an edge or corner the one that the centre sees most of; then
+ * the first by closest point and corners. Features are not asked for afterwards, as corners are put in an order of their own. */
+void bvxi_nearest_prefer_planes(bvxi_nearest *nearest);
+
 /* Set the words of band (a grid of the lattice or of a window, zeroed) where the centre lies no further than width [Units: world]
  * from the mesh, and count each row's: first[row] becomes the number of values before the row [Size: rows + 1]. What was found
  * is remembered, so filling in the values of centres of the band costs no second search. Memory: 16 KiB for each 16 x 16 x 16

@@ -26,6 +26,21 @@ void bvxi_near_brick_begin(const bvxi_nearest *n, const int32_t first[3], bvxi_n
 
 /* ---- Pairs for the evaluation ---- */
 
+/* Is the triangle of pair i taken instead of the best so far of its slot? */
+static int is_better_pair(const bvxi_nearest *n, bvxi_near_worker *w, int32_t i)
+{
+    const bvxi_near_pairs *const p = &w->pairs;
+    int32_t const s = p->slot[i];
+    double height2;
+
+    if (p->distance2[i] != w->distance2[s]) return p->distance2[i] < w->distance2[s];
+    if (!n->by_planes) return p->triangle[i] < w->triangle[s];
+
+    height2 = bvxi_near_height2(p, i);
+    if (height2 != w->height2[s]) return height2 > w->height2[s];
+    return bvxi_near_is_first(n, p, i, w->triangle[s]);
+}
+
 static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     bvxi_near_pairs *const p = &w->pairs;
@@ -33,11 +48,11 @@ static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
     for (int32_t i = 0; i < p->count; i++) {
         int32_t const s = p->slot[i];
         uint64_t const bit = UINT64_C(1) << s;
-        if ((w->evaluated & bit) != 0 && (p->distance2[i] > w->distance2[s] ||
-                                          (p->distance2[i] == w->distance2[s] && p->triangle[i] >= w->triangle[s]))) continue;
+        if ((w->evaluated & bit) != 0 && !is_better_pair(n, w, i)) continue;
         w->evaluated |= bit;
         w->distance2[s] = p->distance2[i];
         w->triangle[s] = p->triangle[i];
+        if (n->by_planes) w->height2[s] = bvxi_near_height2(p, i);
     }
     p->count = 0;
 }

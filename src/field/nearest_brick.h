@@ -31,6 +31,7 @@ typedef struct bvxi_near_worker {
     uint64_t evaluated;       /* slots whose best is from the evaluation in doubles */
     uint32_t triangle[BVXI_NEAR_SLOTS];
     double distance2[BVXI_NEAR_SLOTS];
+    double height2[BVXI_NEAR_SLOTS]; /* by_planes, of the evaluated: to the triangle's plane */
 } bvxi_near_worker;
 
 /* 0 when no centre of a cube of 16 x 16 x 16 lies within the width; its first centre has these lattice indices. */

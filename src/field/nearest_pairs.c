@@ -6,12 +6,24 @@
  * Guarantee: the same bits as bvxi_closest_on_triangle, but for the sign of zeros. */
 #include "field/nearest_pairs.h"
 #include "mesh/closest.h"
+#include "mesh/facet.h"
 
 #if BVXI_HAVE_AVX2
 #include <immintrin.h>
 #endif
 
 /* ---- Corners ---- */
+
+static void order_near_corners(bvxi_near_pairs *p)
+{
+    for (int32_t i = 0; i < p->count; i++) {
+        double t[3][3];
+
+        for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
+        bvxi_order_corners(t);
+        for (int v = 0; v < 9; v++) p->corner[v][i] = t[v / 3][v % 3];
+    }
+}
 
 /* Indices of all first, then positions: what is waited for is on its way together. */
 static void gather_near_packed(const bvxi_nearest *n, bvxi_near_pairs *p)
@@ -28,6 +40,7 @@ static void gather_near_packed(const bvxi_nearest *n, bvxi_near_pairs *p)
             memcpy(f, positions + (size_t)c[i][v] * 12, sizeof f);
             for (int a = 0; a < 3; a++) p->corner[3 * v + a][i] = (double)f[a] * n->scale;
         }
+    if (n->by_planes) order_near_corners(p);
 }
 
 static void gather_near_any(const bvxi_nearest *n, bvxi_near_pairs *p)
@@ -37,6 +50,7 @@ static void gather_near_any(const bvxi_nearest *n, bvxi_near_pairs *p)
         bvxi_near_corners(n, p->triangle[i], t);
         for (int v = 0; v < 9; v++) p->corner[v][i] = t[v / 3][v % 3];
     }
+    if (n->by_planes) order_near_corners(p);
 }
 
 /* ---- One pair ---- */

@@ -66,6 +66,7 @@ struct bvxi_nearest {
     double box_scale;        /* evaluation -> box units, a power of two */
     double rounding;         /* above all rounding of the evaluation in doubles [Units: box] */
     bvxi_near_memo *memo;    /* filled by bvxi_nearest_band */
+    int32_t by_planes;       /* 1: bvxi_nearest_prefer_planes */
 };
 
 /* Fill a leaf from its triangles' numbers and corners, coordinate by coordinate, in box units relative to the low corner of its

@@ -14,11 +14,9 @@ typedef struct bvxi_sides {
     const uint8_t *features;   /* by value, as in bvx_closest_point */
 } bvxi_sides;
 
-/* sign_auto.c: the rule that a mesh asks for. */
-bvx_status bvxi_sign_auto(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign);
-
-/* sign_solid.c: EXACT, WINDING, VOTE: inside, which is open and whose words are written, becomes the solid by that rule. */
-bvx_status bvxi_sign_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t sign, bvx_grid *inside);
+/* sign_solid.c: AUTO, EXACT, WINDING, VOTE: inside, which is open and whose words are written, becomes the solid by that rule. AUTO
+ * becomes the one that was chosen. */
+bvx_status bvxi_sign_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside);
 
 /* sign_features.c: NORMAL, PSEUDONORMAL: the words of inside are set by the closest features in the band, and beyond it by
  * carry_signs.c. In a window whose band leaves centres out all of the lattice is looked at; width is the band's [Units: world]. */

@@ -88,6 +88,7 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
     BVXI_TRY(bvxi_grid_check_shift(ctx, function, b, result));
     memcpy(window.low, a->low, sizeof window.low);
     memcpy(window.size, a->size, sizeof window.size);
+    bvxi_grid_renew(ctx, &a->lattice, &window, result);
     mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, &a->lattice, &window, result));
     job.a = a;

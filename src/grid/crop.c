@@ -123,8 +123,11 @@ static void crop_piece(void *user, int32_t index, int32_t worker)
 static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_lattice *lattice,
                             const bvx_window *window, const int32_t from[3], bvx_grid *result)
 {
-    int const mine = result->words == NULL;
     crop_job job;
+    int mine;
+
+    bvxi_grid_renew(ctx, lattice, window, result);
+    mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, lattice, window, result));
     job.grid = grid;
     job.result = result;

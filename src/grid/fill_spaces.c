@@ -81,6 +81,7 @@ bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int3
     BVXI_TRY(check_seeds(context, walls, seeds, seed_count));
     memcpy(window.low, walls->low, sizeof window.low);
     memcpy(window.size, walls->size, sizeof window.size);
+    bvxi_grid_renew(context, &walls->lattice, &window, filled);
     made = *filled;
     BVXI_TRY(bvxi_grid_open(context, grid_fill_name, &walls->lattice, &window, &made));
     status = fill_from_seeds(context, walls, seeds, seed_count, connectivity, &made);

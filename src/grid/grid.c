@@ -20,6 +20,11 @@ uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window)
     return ok && rows <= UINT64_MAX / 8 ? rows : 0;
 }
 
+void bvxi_grid_renew(bvx_context *ctx, const bvx_lattice *lattice, const bvx_window *window, bvx_grid *grid)
+{
+    if (grid->owned == 1 && grid->word_capacity < bvx_grid_bound(lattice, window)) bvx_grid_free(ctx, grid);
+}
+
 bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice, const bvx_window *window,
                           bvx_grid *grid)
 {
@@ -52,6 +57,7 @@ bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, con
     if (grid == NULL) return bvxi_fail_null(context, "bvx_grid_create", "grid");
     BVXI_TRY(bvxi_lattice_check(context, "bvx_grid_create", lattice));
     BVXI_TRY(bvxi_window_take(context, "bvx_grid_create", lattice, window, &w));
+    bvxi_grid_renew(context, lattice, &w, grid);
     BVXI_TRY(bvxi_grid_open(context, "bvx_grid_create", lattice, &w, grid));
     memset(grid->words, 0, (size_t)bvxi_grid_words(grid) * 8);
     return BVX_OK;

@@ -12,6 +12,8 @@ bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bv
 BVXI_COLD bvx_status bvxi_grid_fail_past(bvx_context *ctx, const char *function, const bvx_grid *grid);
 /* Refuse words of a result that overlap those of a checked grid of the same size without being the same. */
 bvx_status bvxi_grid_check_shift(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_grid *result);
+/* Before bvxi_grid_open of a result or of a copy of it: words of the library's that do not suffice go, so that open makes others. */
+void bvxi_grid_renew(bvx_context *ctx, const bvx_lattice *lattice, const bvx_window *window, bvx_grid *grid);
 /* Set up a grid's struct over new or the caller's words, contents unspecified; *grid is changed only on success. */
 bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice, const bvx_window *window,
                           bvx_grid *grid);

@@ -210,6 +210,7 @@ bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx
     BVXI_TRY(check_shell(context, function, &grid->lattice, o.thickness));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
+    bvxi_grid_renew(context, &grid->lattice, &window, result);
     made = *result;
     BVXI_TRY(bvxi_grid_open(context, function, &grid->lattice, &window, &made));
     hollow = made;

@@ -15,14 +15,16 @@ void bvx_keep_options_init(bvx_keep_options *options, size_t size)
     bvxi_give_options(options, size, &keep_defaults, sizeof keep_defaults);
 }
 
-/* The result: a copy of the grid, unless it is the grid. */
-static bvx_status open_keep_result(bvx_context *ctx, const char *function, const bvx_grid *grid, bvx_grid *result)
+/* The result, in *made: a copy of the grid, unless it is the grid. */
+static bvx_status open_keep_result(bvx_context *ctx, const char *function, const bvx_grid *grid, bvx_grid *result, bvx_grid *made)
 {
     bvx_window window;
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     BVXI_TRY(bvxi_grid_check_shift(ctx, function, grid, result));
-    return bvxi_grid_open(ctx, function, &grid->lattice, &window, result);
+    bvxi_grid_renew(ctx, &grid->lattice, &window, result);
+    *made = *result;
+    return bvxi_grid_open(ctx, function, &grid->lattice, &window, made);
 }
 
 /* What is judged: spaces with their sizes; marks: 1 for what goes. */
@@ -172,8 +174,7 @@ bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_k
     BVXI_TRY(bvxi_take_options(context, keep_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_grid_check(context, keep_name, grid));
     BVXI_TRY(check_keep_options(context, grid, &o));
-    made = *result;
-    BVXI_TRY(open_keep_result(context, keep_name, grid, &made));
+    BVXI_TRY(open_keep_result(context, keep_name, grid, result, &made));
     status = keep_parts(context, grid, &o, &made);
     if (status == BVX_OK) *result = made;
     else if (result->words == NULL) bvx_grid_free(context, &made);
@@ -208,8 +209,7 @@ bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, in
     if (result == NULL) return bvxi_fail_null(context, cavities_name, "result");
     BVXI_TRY(bvxi_grid_check(context, cavities_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, cavities_name, connectivity));
-    made = *result;
-    BVXI_TRY(open_keep_result(context, cavities_name, grid, &made));
+    BVXI_TRY(open_keep_result(context, cavities_name, grid, result, &made));
     status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, filled, NULL);
     if (status == BVX_OK) *result = made;
     else if (result->words == NULL) bvx_grid_free(context, &made);

@@ -171,6 +171,7 @@ static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_
     BVXI_TRY(take_morph_options(ctx, function, grid, options, morph));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
+    bvxi_grid_renew(ctx, &grid->lattice, &window, result);
     made = *result;
     BVXI_TRY(bvxi_grid_open(ctx, function, &grid->lattice, &window, &made));
     status = bvxi_morph_run(ctx, morph, grid, &made);

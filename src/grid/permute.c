@@ -157,6 +157,7 @@ bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const in
     job.grid = grid;
     job.result = result;
     permute_place(&job, &lattice, &window);
+    bvxi_grid_renew(context, &lattice, &window, result);
     mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(context, function, &lattice, &window, result));
     lay_permute_steps(&job);

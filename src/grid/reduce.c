@@ -170,7 +170,10 @@ static void reduce_piece(void *user, int32_t index, int32_t worker)
 
 static bvx_status reduce_grid(bvx_context *ctx, const char *function, reduce_job *job, bvx_grid *result)
 {
-    int const mine = result->words == NULL;
+    int mine;
+
+    bvxi_grid_renew(ctx, &job->blocks.lattice, &job->blocks.window, result);
+    mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, &job->blocks.lattice, &job->blocks.window, result));
     job->result = result;
     job->pieces = block_pieces(&job->blocks);

@@ -89,6 +89,7 @@ bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const b
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &w));
+    bvxi_grid_renew(context, lattice, &w, result);
     mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(context, function, lattice, &w, result));
     job.grid = grid;

@@ -70,6 +70,7 @@ bvx_status bvxi_contour_finish(bvxi_contour_file *f, bvx_sections *sections)
     s->loop_capacity = s->loop_count;
     BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24, "the points"));
     s->point_capacity = s->point_count;
+    bvx_sections_free(f->ctx, sections);
     *sections = *s;
     memset(s, 0, sizeof *s);
     return BVX_OK;

@@ -150,6 +150,8 @@ void bvxi_level_name(const char *before, uint64_t level, char *text);
 #define BVXI_FLOAT_LIMIT 3.4028235677973366e38
 
 /* A buffer of exactly size bytes. */
+/* A file to be made: bytes that the library made for another one go; those of others are refused. */
+bvx_status bvxi_renew_buffer(bvx_context *ctx, const char *function, bvx_buffer *file);
 bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, bvx_buffer *file);
 
 /* 1 when positions are written as floats: those that the mesh has, with no frame to add. */

@@ -59,9 +59,7 @@ bvx_status bvx_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buf
     bvxi_output out = {0};
     bvx_buffer made = {0};
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (file == NULL) return bvxi_fail_null(context, function, "file");
-    if (file->bytes != NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     BVXI_TRY(bvxi_check_written_corner(context, function, grid));
     json_put_lattice(grid, &out);

@@ -26,7 +26,7 @@ static int ply_next_line(const bvxi_source *s, ply_line *line)
 /* The line 'ply', which shows how lines end. */
 static int ply_first_line(const bvxi_source *s, ply_line *line)
 {
-    line->next = s->begin;
+    line->next = bvxi_skip_mark(s->begin, s->end);
     line->returns = 0;
     if (!ply_next_line(s, line)) return 0;
     line->returns = line->next[-1] == '\r';
@@ -189,6 +189,7 @@ static bvx_status ply_take_line(const bvxi_source *s, ply_line *line, ply_header
     if (ply_is(word, n, "property")) return ply_take_property(s, line, h);
     if (ply_is(word, n, "format") && h->encoding == 0) return ply_take_format(s, line, h);
     if (ply_is(word, n, "comment") || ply_is(word, n, "obj_info")) return BVX_OK;
+    if (ply_is(word, n, "Created") && h->element_count == 0) return BVX_OK; /* Blender's old comment without the word */
     if (!ply_is(word, n, "end_header"))
         return bvxi_fail_expected(s, word, "format, element, property, comment or end_header");
     *done = 1;
@@ -265,7 +266,7 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
     static const char *const names[] = {"x", "y", "z"};
     int const has_faces = h->face != NULL && h->face->count > 0, has_strips = h->strips != NULL && h->strips->count > 0;
     int floats = 0;
-    if (!h->points && !has_faces && !has_strips) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the header names no faces");
+    if (!h->points && !has_faces && !has_strips) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "PLY: the file has no faces");
     if (h->vertex == NULL) return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: the header names no element vertex");
     for (int32_t a = 0; a < 3; a++)
         if (!ply_has_role(h, h->vertex, a))

@@ -122,9 +122,7 @@ bvx_status bvx_write_png(bvx_context *context, const bvx_image *image, bvx_buffe
     uint8_t *p, *data;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (image == NULL) return bvxi_fail_null(context, function, "image");
-    if (file == NULL) return bvxi_fail_null(context, function, "file");
-    if (file->bytes != NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
     if (image->pixels == NULL || image->width < 1 || image->height < 1)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: the image of %d x %d pixels is empty", function,
                          (int64_t)image->width, (int64_t)image->height);

@@ -6,14 +6,18 @@
  *     x y z                            (POINTS times)
  *     COUNT LABEL i i i ...            (LOOPS times; COUNT may be 25h3: 25 points, a hole in loop 3)
  *
- * All space is equal. A loop's label is its body's. Which loops are holes follows from where they lie, so the mark is read and
- * left alone. A plane's position is the mean of its points along the first plane's normal; planes without points have
- * that of their equation. */
+ * All space is equal. A loop's label is its body's. A hole's label is that of what fills it: the hole bounds the body of the
+ * loop that it lies in, whatever its own label, and where that is another one and not 0 the same loop bounds the body inside
+ * too. A plane's position is the mean of its points along the first plane's normal, near that of its equation; planes
+ * without points have that of their equation. */
 #include "io/contour_text.h"
+#include "io/formats.h"
 
 #include <math.h>
 
 enum { CSL_LEAST_POINT = 6, CSL_LEAST_INDEX = 2 };
+
+#define CSL_PLANE_OFF 1e-3 /* of the largest coordinate: how far a plane's points may lie from its equation */
 
 static int csl_space(char c)
 {
@@ -74,10 +78,13 @@ static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const d
     return BVX_OK;
 }
 
-static bvx_status csl_points(bvxi_contour_file *f, double *points, uint64_t count, double *position)
+/* The position becomes that of the points, which must be near that of the equation. */
+static bvx_status csl_points(bvxi_contour_file *f, const char *start, double *points, uint64_t count, double *position)
 {
     double const *const n = f->sections.normal;
+    double const equation = *position;
     double first = 0.0, sum = 0.0; /* from the first point, so that equal heights have themselves as their mean */
+    double largest = 0.0, low = HUGE_VAL, high = -HUGE_VAL;
     for (uint64_t i = 0; i < count; i++) {
         double *const p = points + 3 * i;
         double height;
@@ -85,19 +92,33 @@ static bvx_status csl_points(bvxi_contour_file *f, double *points, uint64_t coun
         height = (p[0] * n[0] + p[1] * n[1]) + p[2] * n[2];
         if (i == 0) first = height;
         sum += height - first;
+        low = height < low ? height : low;
+        high = height > high ? height : high;
+        for (int k = 0; k < 3; k++) largest = bvxi_absolute(p[k]) > largest ? bvxi_absolute(p[k]) : largest;
     }
-    if (count != 0) *position = first + sum / (double)count;
+    if (count == 0) return BVX_OK;
+
+    *position = first + sum / (double)count;
+    /* Between the points is near enough: single points off their plane are the body's matter, and their mean is what is written. */
+    if (!(equation >= low - CSL_PLANE_OFF * largest && equation <= high + CSL_PLANE_OFF * largest))
+        return bvxi_contour_fail(f, start, BVX_ERR_FORMAT, "the plane's points do not lie where its equation says; check its D, "
+                                 "which is less than 0 for a plane on the normal's side of the origin");
     return BVX_OK;
 }
 
-static bvx_status csl_loop(bvxi_contour_file *f, const double *points, uint64_t count, uint32_t section)
+/* around: of each loop of the plane so far, 0 or 1 and the number of the loop that it is a hole in; loops: of the plane. */
+static bvx_status csl_loop(bvxi_contour_file *f, const double *points, uint64_t count, uint32_t section, uint64_t loops,
+                           uint32_t *around)
 {
     uint64_t corners, label, index;
     const char *const start = f->p;
+    *around = 0;
     BVXI_TRY(csl_whole(f, "expected a loop's number of points", (uint64_t)(f->end - f->p) / CSL_LEAST_INDEX, &corners));
     if (f->p < f->end && *f->p == 'h') { /* a hole's mark, and the loop that it lies in */
         f->p++;
         BVXI_TRY(csl_whole(f, "expected the number of the loop round a hole", UINT32_MAX, &index));
+        if (index >= loops) return bvxi_contour_fail_number(f, start, "a hole lies in loop ", index, ", which this plane has not");
+        *around = (uint32_t)index + 1;
     }
     BVXI_TRY(csl_whole(f, "expected a loop's label", INT32_MAX, &label));
     if (corners == 0) return bvxi_contour_fail(f, start, BVX_ERR_FORMAT, "a loop without points");
@@ -109,6 +130,40 @@ static bvx_status csl_loop(bvxi_contour_file *f, const double *points, uint64_t 
         BVXI_TRY(bvxi_contour_add_point(f, points + 3 * index));
     }
     return BVX_OK;
+}
+
+/* Holes bound the body around them; what fills them gets the same points as its own loop. first: the plane's first loop. */
+static bvx_status csl_settle_holes(bvxi_contour_file *f, uint64_t first, uint64_t loops, const uint32_t *around)
+{
+    bvx_sections *const s = &f->sections;
+
+    for (uint64_t i = 0; i < loops; i++) {
+        bvx_section_loop const hole = s->loops[first + i];
+        if (around[i] == 0 || hole.label == 0 || hole.label == s->loops[first + around[i] - 1].label) continue;
+        BVXI_TRY(bvxi_contour_add_loop(f, hole.section, hole.label));
+        s->loops[s->loop_count - 1].first_point = hole.first_point;
+        s->loops[s->loop_count - 1].point_count = hole.point_count;
+    }
+    /* By the labels as they stand: a hole in a hole bounds what fills that one. */
+    for (uint64_t i = 0; i < loops; i++)
+        if (around[i] != 0) s->loops[first + i].reserved = s->loops[first + around[i] - 1].label;
+    for (uint64_t i = 0; i < loops; i++) {
+        if (around[i] != 0) s->loops[first + i].label = s->loops[first + i].reserved;
+        s->loops[first + i].reserved = 0;
+    }
+    return BVX_OK;
+}
+
+static bvx_status csl_loops(bvxi_contour_file *f, const double *points, uint64_t count, uint32_t section, uint64_t loops)
+{
+    uint64_t const first = f->sections.loop_count;
+    uint32_t *around = NULL;
+    bvx_status status = bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around);
+
+    for (uint64_t i = 0; i < loops && status == BVX_OK; i++) status = csl_loop(f, points, count, section, loops, &around[i]);
+    if (status == BVX_OK) status = csl_settle_holes(f, first, loops, around);
+    bvxi_free(f->ctx, around, loops * 4);
+    return status;
 }
 
 static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
@@ -125,9 +180,9 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     for (int i = 0; i < 4; i++) BVXI_TRY(csl_real(f, "expected the plane's equation", &equation[i]));
     BVXI_TRY(csl_plane_normal(f, start, equation, section == 0, &position));
     status = bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at);
-    if (status == BVX_OK) status = csl_points(f, at, points, &position);
+    if (status == BVX_OK) status = csl_points(f, start, at, points, &position);
     if (status == BVX_OK) status = bvxi_contour_add_section(f, position);
-    for (uint64_t i = 0; i < loops && status == BVX_OK; i++) status = csl_loop(f, at, points, section);
+    if (status == BVX_OK) status = csl_loops(f, at, points, section, loops);
     bvxi_free(f->ctx, at, points * 24);
     return status;
 }
@@ -135,6 +190,7 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
 bvx_status bvxi_read_csl(bvxi_contour_file *f)
 {
     uint64_t planes, labels;
+    f->p = bvxi_skip_mark(f->p, f->end);
     csl_skip(f);
     if (f->end - f->p < 4 || memcmp(f->p, "CSLC", 4) != 0) return bvxi_contour_fail(f, f->p, BVX_ERR_FORMAT, "the file does not begin with CSLC");
     f->p += 4;

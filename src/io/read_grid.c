@@ -57,6 +57,7 @@ bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *forma
         wanted.low[a] = whole.low[a] + part->low[a];
         wanted.size[a] = part->size[a];
     }
+    bvxi_grid_renew(source->ctx, lattice, &wanted, grid);
     BVXI_TRY(bvxi_grid_open(source->ctx, "bvx_read_grid", lattice, &wanted, grid));
     memset(grid->words, 0, (size_t)bvxi_grid_words(grid) * 8);
     return BVX_OK;
@@ -117,7 +118,8 @@ bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size,
     made = *grid; /* brings the caller's words along */
     status = read_grid_as(&source, format, &made);
     if (status != BVX_OK) {
-        if (made.words != grid->words) bvx_grid_free(context, &made);
+        if (grid->owned == 1) *grid = made; /* its words, or others in their stead */
+        else if (made.words != grid->words) bvx_grid_free(context, &made);
         return status;
     }
     *grid = made;

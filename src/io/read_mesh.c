@@ -163,8 +163,8 @@ bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size,
     if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY && format != BVX_FORMAT_OFF)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: format %d holds no mesh that is read; take STL, OBJ, PLY or OFF",
                          function, (int64_t)format);
-    if (!bvxi_mesh_is_empty(mesh))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh holds arrays already; free or zero it first", function);
+    if (mesh->owned != 1 && !bvxi_mesh_is_empty(mesh))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh brings arrays, which are not used; zero it first", function);
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
@@ -173,6 +173,7 @@ bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size,
         bvx_mesh_free(context, &made);
         return status;
     }
+    bvx_mesh_free(context, mesh);
     *mesh = made;
     return BVX_OK;
 }

@@ -112,13 +112,17 @@ bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t siz
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", read_points_name, size);
     if (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: format %d holds no points that are read; take XYZ or PLY", read_points_name, (int64_t)format);
-    if (!bvxi_mesh_is_empty(points))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: points holds arrays already; free or zero it first", read_points_name);
+    if (points->owned != 1 && !bvxi_mesh_is_empty(points))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: points brings arrays, which are not used; zero it first", read_points_name);
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
     status = read_points_as(&source, format, &made);
-    if (status == BVX_OK) *points = made;
-    else bvx_mesh_free(context, &made);
-    return status;
+    if (status != BVX_OK) {
+        bvx_mesh_free(context, &made);
+        return status;
+    }
+    bvx_mesh_free(context, points);
+    *points = made;
+    return BVX_OK;
 }

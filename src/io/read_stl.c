@@ -97,6 +97,18 @@ static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t
     return BVX_OK;
 }
 
+/* What some programs write behind endfacet, up to the end of the line or what may follow there. */
+static const char *stl_skip_notes(const char *p, const char *end)
+{
+    for (;;) {
+        const char *next;
+        while (p < end && bvxi_is_blank(*p)) p++;
+        next = p;
+        if (p == end || *p == '\n' || *p == '\r' || stl_take(&next, end, "facet") || stl_take(&next, end, "endsolid")) return p;
+        p = bvxi_skip_word(p, end);
+    }
+}
+
 /* The rest of a facet, behind that word; loops of more than three corners become fans. */
 static bvx_status stl_take_facet(bvxi_soup *soup, const char **p)
 {
@@ -115,7 +127,9 @@ static bvx_status stl_take_facet(bvxi_soup *soup, const char **p)
     }
     if (corners < 3) return bvxi_fail_expected(s, bvxi_skip_space(*p, s->end), "three or more times 'vertex'");
     BVXI_TRY(stl_expect(s, p, "endloop", "'vertex' or 'endloop'"));
-    return stl_expect(s, p, "endfacet", "'endfacet'");
+    BVXI_TRY(stl_expect(s, p, "endfacet", "'endfacet'"));
+    *p = stl_skip_notes(*p, s->end);
+    return BVX_OK;
 }
 
 static bvx_status stl_read_text(bvxi_soup *soup)

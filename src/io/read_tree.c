@@ -248,7 +248,6 @@ bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t siz
     tree_reading job;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (tree == NULL) return bvxi_fail_null(context, read_tree_name, "tree");
-    if (*tree != NULL) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: *tree is not NULL; free it first", read_tree_name);
     if (bytes == NULL) return bvxi_fail_null(context, read_tree_name, "bytes");
     if (size > SIZE_MAX / 2)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", read_tree_name, size);
@@ -262,6 +261,7 @@ bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t siz
     BVXI_TRY(bvxi_parallel(context, "read", 0.0, 0.6, job.levels + 1, look_into_levels, &job));
     BVXI_TRY(join_levels(&job));
     BVXI_TRY(make_read_tree(&job));
+    bvx_octree_free(context, *tree);
     *tree = job.tree;
     return BVX_OK;
 }

@@ -277,6 +277,7 @@ bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint64_t siz
     memset(&made, 0, sizeof made);
     BVXI_TRY(find_volume(&source, format, &dense));
     BVXI_TRY(make_volume(&source, &dense, &made));
+    if (volume->owned == 1) bvx_volume_free(context, volume);
     *volume = made;
     return BVX_OK;
 }

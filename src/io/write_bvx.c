@@ -180,21 +180,13 @@ bvx_status bvxi_write_bvx(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
 
 /* ---- in parts ---- */
 
-static bvx_status bvx_check_part_file(bvx_context *ctx, const char *function, const bvx_buffer *file)
-{
-    if (file == NULL) return bvxi_fail_null(ctx, function, "file");
-    if (file->bytes != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
-    return BVX_OK;
-}
-
 bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_head";
     bvx_buffer made = {0};
     bvx_window whole;
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    BVXI_TRY(bvx_check_part_file(context, function, file));
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &whole));
     BVXI_TRY(bvxi_make_buffer(context, BVXI_BVX_HEAD, "the head of a BVX file", &made));
@@ -209,7 +201,7 @@ bvx_status bvx_write_slices(bvx_context *context, const bvx_grid *part, bvx_buff
 {
     static const char *const function = "bvx_write_slices";
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    BVXI_TRY(bvx_check_part_file(context, function, file));
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, part));
     return bvx_pack_grid(context, part, 0, file);
 }

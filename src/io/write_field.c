@@ -208,9 +208,7 @@ bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t
     static const field_file npy = {"the NPY file", field_put_npy, "", 1}, nrrd = {"the NRRD file", field_put_nrrd, "", 0},
                             vti = {"the VTI file", field_put_vti, "\n  </AppendedData>\n</VTKFile>\n", 0};
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (file == NULL) return bvxi_fail_null(context, function, "file");
-    if (file->bytes != NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_field_check(context, function, field));
     BVXI_TRY(bvxi_field_check_vectors(context, function, field, vectors));
     if (format != BVX_FORMAT_NPY && format != BVX_FORMAT_NRRD && format != BVX_FORMAT_VTI)

@@ -9,6 +9,7 @@
 #include "io/file_parts.h"
 #include "io/glb.h"
 #include "io/glb_colours.h"
+#include "io/rounding.h"
 #include "mesh/normals.h"
 #include "mesh/view.h"
 
@@ -179,25 +180,10 @@ static bvx_status glb_find_bounds(bvx_context *ctx, const char *name, bvxi_glb *
     return BVX_OK;
 }
 
-/* The middle of the bounds of all levels, for each of them. */
-static bvx_status glb_find_centre(bvx_context *ctx, const bvxi_glb_file *glb)
+static bvx_status glb_find_centre(bvx_context *ctx, const bvx_mesh *levels, const bvxi_glb_file *glb)
 {
-    double low[3], high[3], centre[3];
-    double world_low[3] = {0.0, 0.0, 0.0}, world_high[3] = {0.0, 0.0, 0.0};
-
-    for (uint64_t l = 0; l < glb->levels; l++) {
-        const bvx_mesh *const mesh = glb->level[l].mesh;
-        bvx_mesh_view view;
-        bvx_mesh_view_of(mesh, &view);
-        BVXI_TRY(bvxi_view_bounds(ctx, "GLB", &view, low, high));
-        for (int a = 0; a < 3; a++) {
-            double const from = low[a] + mesh->frame[a], to = high[a] + mesh->frame[a];
-            if (l == 0 || from < world_low[a]) world_low[a] = from;
-            if (l == 0 || to > world_high[a]) world_high[a] = to;
-        }
-    }
-
-    for (int a = 0; a < 3; a++) centre[a] = world_low[a] * 0.5 + world_high[a] * 0.5;
+    double centre[3];
+    BVXI_TRY(bvxi_common_centre(ctx, levels, glb->levels, centre));
     for (uint64_t l = 0; l < glb->levels; l++) memcpy(glb->level[l].centre, centre, sizeof centre);
     return BVX_OK;
 }
@@ -235,7 +221,7 @@ bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t lev
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the list of levels", &glb.level));
     for (uint64_t l = 0; l < level_count; l++) glb.level[l].mesh = &levels[l];
 
-    status = glb_find_centre(ctx, &glb);
+    status = glb_find_centre(ctx, levels, &glb);
     for (uint64_t l = 0; l < level_count && status == BVX_OK; l++) status = glb_plan_level(ctx, &glb, l);
     if (status == BVX_OK) status = glb_make_file(ctx, &glb, file);
 

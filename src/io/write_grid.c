@@ -42,9 +42,7 @@ bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t fo
 {
     static const char *const function = "bvx_write_grid";
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (file == NULL) return bvxi_fail_null(context, function, "file");
-    if (file->bytes != NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     switch (format) {
     case BVX_FORMAT_NPY: return bvxi_write_npy(context, grid, file);

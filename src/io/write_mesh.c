@@ -1,11 +1,22 @@
 /* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: checks around the writers, what they share. */
 #include "io/formats.h"
+#include "io/rounding.h"
 #include "mesh/mesh.h"
 #include "mesh/normals.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
+#include "mesh/weld.h"
 
 enum { WRITTEN_LEVELS = 65536 }; /* more is an error of the caller's */
+
+bvx_status bvxi_renew_buffer(bvx_context *ctx, const char *function, bvx_buffer *file)
+{
+    if (file == NULL) return bvxi_fail_null(ctx, function, "file");
+    if (file->bytes != NULL && file->capacity == 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: file brings bytes, which are not used; zero it first", function);
+    bvx_buffer_free(ctx, file);
+    return BVX_OK;
+}
 
 bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, bvx_buffer *file)
 {
@@ -100,6 +111,23 @@ static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, nor
     return status;
 }
 
+/* ---- rounding ---- */
+
+/* What positions are relative to in a file of the format. */
+static bvx_status file_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                              double centre[3])
+{
+    memset(centre, 0, 3 * sizeof *centre);
+    return format == BVX_FORMAT_GLB ? bvxi_common_centre(ctx, levels, level_count, centre) : BVX_OK;
+}
+
+static bvx_status check_rounding(bvx_context *ctx, const char *function, const bvx_mesh *mesh, int32_t format)
+{
+    double centre[3];
+    BVXI_TRY(file_centre(ctx, mesh, 1, format, centre));
+    return bvxi_refuse_rounding(ctx, function, mesh, format, centre);
+}
+
 /* ---- one mesh ---- */
 
 static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int32_t format, int32_t normals)
@@ -135,23 +163,16 @@ static bvx_status write_format(bvx_context *ctx, const bvx_mesh *mesh, int32_t f
     }
 }
 
-static bvx_status check_empty_buffer(bvx_context *ctx, const char *function, const bvx_buffer *file)
-{
-    if (file == NULL) return bvxi_fail_null(ctx, function, "file");
-    if (file->bytes != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
-    return BVX_OK;
-}
-
 static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh,
                              const bvx_write_options *o, int32_t format, bvx_buffer *file)
 {
     bvx_buffer made = {0};
 
     if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
-    BVXI_TRY(check_empty_buffer(ctx, function, file));
+    BVXI_TRY(bvxi_renew_buffer(ctx, function, file));
     BVXI_TRY(check_mesh_format(ctx, function, format, o->normals));
     BVXI_TRY(check_written_mesh(ctx, function, mesh));
+    if (o->rounding == BVX_ROUNDING_REFUSE) BVXI_TRY(check_rounding(ctx, function, mesh, format));
     BVXI_TRY(write_format(ctx, mesh, format, o->normals, &made));
     *file = made;
     return BVX_OK;
@@ -181,12 +202,13 @@ bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const
     if (o.normals != 0 && o.normals != 1)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.normals is %d, not 0 or 1", function,
                          (int64_t)o.normals);
-    if (o.reserved != 0)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
+    if (o.rounding != BVX_ROUNDING_REFUSE && o.rounding != BVX_ROUNDING_ALLOW)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.rounding is %d, not BVX_ROUNDING_REFUSE (0) or "
+                         "BVX_ROUNDING_ALLOW (1)", function, (int64_t)o.rounding);
     return write_mesh(context, function, mesh, &o, format, file);
 }
 
-/* ---- levels of detail ---- */
+/* ---- what a file holds ---- */
 
 void bvxi_level_name(const char *before, uint64_t level, char *text)
 {
@@ -198,6 +220,138 @@ void bvxi_level_name(const char *before, uint64_t level, char *text)
     bvxi_output_add(&out, "", 1);
 }
 
+/* The positions that readers get, where they are not simply those of the mesh. */
+static void put_file_positions(const bvx_mesh *mesh, int rounded, const double centre[3], double *positions)
+{
+    double p[3];
+    for (uint64_t v = 0; v < mesh->vertex_count; v++, positions += 3) {
+        bvxi_world_position(mesh, v, p);
+        if (rounded) bvxi_round_position(centre, p, positions);
+        else memcpy(positions, p, sizeof p);
+    }
+}
+
+static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, uint64_t *different)
+{
+    uint32_t *representative;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative, "the vertices' positions",
+                        &representative));
+    status = bvxi_weld(ctx, view, representative, different);
+    bvxi_free(ctx, representative, view->vertex_count * sizeof *representative);
+    return status;
+}
+
+static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *file, int32_t format,
+                                  int rounded, bvx_write_report *report)
+{
+    uint64_t before = 0, after = 0;
+
+    if (rounded) {
+        BVXI_TRY(count_positions(ctx, mesh, &before));
+        BVXI_TRY(count_positions(ctx, file, &after));
+    }
+    report->merged = before - after;
+    return bvx_mesh_check(ctx, file, format == BVX_FORMAT_STL, &report->file);
+}
+
+static bvx_status check_written_file(bvx_context *ctx, const char *name, const bvx_mesh *mesh, int32_t format,
+                                     const double centre[3], bvx_write_report *report)
+{
+    int const rounded = bvxi_is_rounded(mesh, format);
+    uint64_t const bytes = mesh->vertex_count * 3 * sizeof(double);
+    bvxi_rounding rounding = {0};
+    bvx_mesh_view view, file;
+    double *positions = NULL;
+    bvx_status status;
+
+    bvx_mesh_view_of(mesh, &view);
+    file = view;
+    report->fits = 1;
+
+    if (rounded) {
+        bvxi_measure_rounding(mesh, centre, &rounding);
+        if (!rounding.finite)
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the mesh has coordinates too large for the format's 32-bit floats; "
+                             "take PLY or OBJ", name);
+        report->fits = bvxi_rounding_fits(&rounding, mesh->triangle_count);
+        report->largest_move = rounding.largest_move;
+        report->mean_edge = rounding.mean_edge;
+        report->spoilt = rounding.spoilt;
+    }
+
+    if (rounded || mesh->frame[0] != 0.0 || mesh->frame[1] != 0.0 || mesh->frame[2] != 0.0) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the file's positions", &positions));
+        put_file_positions(mesh, rounded, centre, positions);
+        file.positions = positions;
+        file.position_type = BVX_F64;
+        file.position_stride = 0;
+    }
+    status = check_file_view(ctx, &view, &file, format, rounded, report);
+    bvxi_free(ctx, positions, bytes);
+    return status;
+}
+
+/* What messages about one of several meshes begin with. */
+static const char *level_name(const char *function, uint64_t level, uint64_t level_count, char text[BVXI_LEVEL_NAME])
+{
+    if (level_count == 1) return function;
+    bvxi_level_name(function, level, text);
+    return text;
+}
+
+static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx_mesh *levels, uint64_t level_count)
+{
+    char name[BVXI_LEVEL_NAME];
+
+    if (level_count == 0 || level_count > WRITTEN_LEVELS)
+        return bvxi_fail(ctx, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
+                         "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
+                         (uint64_t)WRITTEN_LEVELS);
+    for (uint64_t l = 0; l < level_count; l++) {
+        bvxi_level_name(function, l, name);
+        BVXI_TRY(check_written_mesh(ctx, name, &levels[l]));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                             bvx_write_report *reports)
+{
+    static const char *const function = "bvx_check_written";
+    char name[BVXI_LEVEL_NAME];
+    double centre[3];
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (levels == NULL) return bvxi_fail_null(context, function, "levels");
+    if (reports == NULL) return bvxi_fail_null(context, function, "reports");
+    BVXI_TRY(check_mesh_format(context, function, format, 0));
+    BVXI_TRY(check_levels(context, function, levels, level_count));
+    BVXI_TRY(file_centre(context, levels, level_count, format, centre));
+
+    for (uint64_t l = 0; l < level_count; l++) {
+        memset(&reports[l], 0, sizeof reports[l]);
+        BVXI_TRY(check_written_file(context, level_name(function, l, level_count, name), &levels[l], format, centre,
+                                    &reports[l]));
+    }
+    return BVX_OK;
+}
+
+/* ---- levels of detail ---- */
+
+static bvx_status check_level_rounding(bvx_context *ctx, const char *function, const bvx_mesh *levels,
+                                       uint64_t level_count, int32_t format)
+{
+    char name[BVXI_LEVEL_NAME];
+    double centre[3];
+
+    BVXI_TRY(file_centre(ctx, levels, level_count, format, centre));
+    for (uint64_t l = 0; l < level_count; l++)
+        BVXI_TRY(bvxi_refuse_rounding(ctx, level_name(function, l, level_count, name), &levels[l], format, centre));
+    return BVX_OK;
+}
+
 bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
                             bvx_buffer *file)
 {
@@ -206,21 +360,14 @@ bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, function, "levels");
-    BVXI_TRY(check_empty_buffer(context, function, file));
-    if (level_count == 0 || level_count > WRITTEN_LEVELS)
-        return bvxi_fail(context, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
-                         "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
-                         (uint64_t)WRITTEN_LEVELS);
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
     if (format != BVX_FORMAT_GLB)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
                          "%s: format %d does not hold levels; write one file a level, or take GLB", function,
                          (int64_t)format);
 
-    for (uint64_t l = 0; l < level_count; l++) {
-        char name[BVXI_LEVEL_NAME];
-        bvxi_level_name(function, l, name);
-        BVXI_TRY(check_written_mesh(context, name, &levels[l]));
-    }
+    BVXI_TRY(check_levels(context, function, levels, level_count));
+    BVXI_TRY(check_level_rounding(context, function, levels, level_count, format));
     BVXI_TRY(bvxi_write_glb(context, levels, level_count, &made));
     *file = made;
     return BVX_OK;

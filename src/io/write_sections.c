@@ -2,6 +2,7 @@
  *
  * The writer runs twice, to count and to write. CSL and CSV numbers are the shortest decimals that read back to the same ones. */
 #include "io/bytes.h"
+#include "io/formats.h"
 #include "section/section.h"
 
 #include <math.h>
@@ -235,9 +236,7 @@ bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections
     bvxi_output out = {0};
     bvx_buffer made = {0};
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (file == NULL) return bvxi_fail_null(context, function, "file");
-    if (file->bytes != NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", function);
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_sections_check(context, function, sections));
     BVXI_TRY(bvxi_section_frame(context, function, sections->normal, axis));
     BVXI_TRY(check_section_format(context, function, sections, format, (const double (*)[3])axis));

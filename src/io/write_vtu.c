@@ -175,9 +175,7 @@ bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_
 {
     bvx_buffer made = {0};
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (file == NULL) return bvxi_fail_null(context, vtu_name, "file");
-    if (file->bytes != NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: file holds bytes already; free or zero it first", vtu_name);
+    BVXI_TRY(bvxi_renew_buffer(context, vtu_name, file));
     BVXI_TRY(bvxi_octree_check(context, vtu_name, tree));
     if (format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no octree; take BVX or VTU", vtu_name, (int64_t)format);

@@ -55,7 +55,7 @@ static int cross_view_axis(const double *const t[3])
     double size[3];
 
     bvxi_orient_plane_of(t, &plane);
-    for (int k = 0; k < 3; k++) size[k] = bvxi_orient_size(plane.normal[k]);
+    for (int k = 0; k < 3; k++) size[k] = bvxi_absolute(plane.normal[k]);
 
     if (size[0] > size[1]) return size[0] > size[2] ? 0 : 2;
     return size[1] > size[2] ? 1 : 2;

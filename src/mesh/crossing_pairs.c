@@ -11,6 +11,7 @@
  * writes to where the counts say. Pairs are then sorted, so neither threads nor the curve show. */
 #include "mesh/closest.h"
 #include "mesh/cross.h"
+#include "mesh/crossing_pairs.h"
 #include "mesh/radix.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
@@ -320,10 +321,26 @@ static void free_crossings(bvx_context *ctx, crossings_job *job)
     bvxi_closest_free(ctx, &job->tree);
 }
 
+bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const double low[3], const double high[3],
+                               const uint32_t *representative, uint64_t *count, uint32_t *pairs, uint64_t capacity)
+{
+    crossings_job job;
+    bvx_status status;
+
+    memset(&job, 0, sizeof job);
+    job.view = mesh;
+    job.representative = representative;
+
+    status = bvxi_closest_build(ctx, "crossings", 0.0, 0.3, mesh, low, high, bvxi_unit_scale(low, high), &job.tree);
+    if (status == BVX_OK) status = give_crossings(ctx, function, &job, count, pairs, capacity);
+
+    free_crossings(ctx, &job);
+    return status;
+}
+
 bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count, uint32_t *pairs, uint64_t capacity)
 {
     static const char *const function = "bvx_mesh_crossings";
-    crossings_job job;
     double low[3], high[3];
     uint32_t *representative = NULL;
     uint64_t different;
@@ -336,18 +353,9 @@ bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, u
     if (mesh->triangle_count == 0) return BVX_OK;
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));
 
-    memset(&job, 0, sizeof job);
-    job.view = mesh;
-
     status = bvxi_alloc(context, BVXI_SCRATCH, mesh->vertex_count * 4, "the crossings' welding", &representative);
     if (status == BVX_OK) status = bvxi_weld(context, mesh, representative, &different);
-    if (status == BVX_OK)
-        status = bvxi_closest_build(context, "crossings", 0.0, 0.3, mesh, low, high, bvxi_unit_scale(low, high), &job.tree);
-    job.representative = representative;
-
-    if (status == BVX_OK) status = give_crossings(context, function, &job, count, pairs, capacity);
-
-    free_crossings(context, &job);
+    if (status == BVX_OK) status = bvxi_mesh_crossings(context, function, mesh, low, high, representative, count, pairs, capacity);
     bvxi_free(context, representative, mesh->vertex_count * 4);
     return status;
 }

@@ -17,6 +17,20 @@ static void places_of_triangle(const uint32_t *representative, const uint32_t co
     place[1] = c <= low ? low : c >= high ? high : c;
 }
 
+uint64_t bvxi_drop_collapsed(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner)
+{
+    uint64_t kept = 0;
+
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        uint32_t *const to = corner + 3 * kept;
+
+        bvxi_view_triangle(view, t, to);
+        kept += representative[to[0]] != representative[to[1]] && representative[to[1]] != representative[to[2]] &&
+                representative[to[2]] != representative[to[0]];
+    }
+    return kept;
+}
+
 static uint64_t hash_of_places(const uint32_t place[3])
 {
     uint64_t h = ((uint64_t)place[0] << 32 | place[1]) * UINT64_C(0x9e3779b97f4a7c15);

@@ -18,4 +18,30 @@ static inline double bvxi_facet_normal(const double t[3][3], double n[3])
     return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
+/* 1 when corner a comes before b, by their places alone. */
+static inline int bvxi_corner_before(const double a[3], const double b[3])
+{
+    for (int k = 0; k < 2; k++)
+        if (a[k] < b[k] || a[k] > b[k]) return a[k] < b[k];
+    return a[2] < b[2];
+}
+
+/* The corners in an order that does not depend on how they are numbered: what is computed from them is then the same to the bit
+ * for any numbering and either orientation. */
+static inline void bvxi_order_corners(double t[3][3])
+{
+    static const int pair[3][2] = {{0, 1}, {1, 2}, {0, 1}};
+
+    for (int i = 0; i < 3; i++) {
+        double *const a = t[pair[i][0]], *const b = t[pair[i][1]];
+
+        if (!bvxi_corner_before(b, a)) continue;
+        for (int k = 0; k < 3; k++) {
+            double const x = a[k];
+            a[k] = b[k];
+            b[k] = x;
+        }
+    }
+}
+
 #endif

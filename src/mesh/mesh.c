@@ -7,6 +7,15 @@ static uint64_t mesh_position_bytes(int32_t type)
     return type == BVX_F64 ? 24 : 12;
 }
 
+/* 1 when arrays that the library made hold such a surface and nothing else. */
+static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint64_t vertex_count, uint64_t triangle_count)
+{
+    if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type) return 0;
+    if ((mesh->vertex_keys != NULL) != keys || (mesh->triangle_keys != NULL) != keys) return 0;
+    if (mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL) return 0;
+    return mesh->vertex_capacity >= vertex_count && mesh->triangle_capacity >= triangle_count;
+}
+
 /* Arrays of the caller's: they must be there and suffice. */
 static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys, uint64_t vertex_count,
                               uint64_t triangle_count, const bvx_mesh *mesh)
@@ -41,6 +50,7 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
 {
     bvx_mesh made = {0};
     bvx_status status;
+    if (mesh->owned == 1 && !suits(mesh, position_type, keys != 0, vertex_count, triangle_count)) bvx_mesh_free(ctx, mesh);
     if (mesh->positions != NULL || mesh->triangles != NULL) {
         BVXI_TRY(take_arrays(ctx, function, position_type, keys, vertex_count, triangle_count, mesh));
         mesh->vertex_count = vertex_count;

@@ -29,16 +29,6 @@
 int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], const double d[3]);
 int bvxi_orient_flat_exact(const double a[3], const double b[3], const double c[3], int axis);
 
-/* One instruction where the compiler is told what is meant; a comparison, which also branches, elsewhere. */
-static inline double bvxi_orient_size(double x)
-{
-#if defined(__GNUC__)
-    return __builtin_fabs(x);
-#else
-    return x < 0.0 ? -x : x;
-#endif
-}
-
 /* A plane through three points, as the filter needs it. */
 typedef struct bvxi_orient_plane {
     const double *origin;
@@ -60,7 +50,7 @@ static inline void bvxi_orient_plane_of(const double *const t[3], bvxi_orient_pl
         double const x = u[l] * v[m], y = u[m] * v[l];
 
         plane->normal[k] = x - y;
-        plane->error[k] = bvxi_orient_size(x) + bvxi_orient_size(y) + BVXI_ORIENT_TINY;
+        plane->error[k] = bvxi_absolute(x) + bvxi_absolute(y) + BVXI_ORIENT_TINY;
     }
 }
 
@@ -69,8 +59,8 @@ static inline int bvxi_orient_side(const bvxi_orient_plane *plane, const double 
 {
     double const x = d[0] - plane->origin[0], y = d[1] - plane->origin[1], z = d[2] - plane->origin[2];
     double const height = plane->normal[0] * x + plane->normal[1] * y + plane->normal[2] * z;
-    double const size = plane->error[0] * bvxi_orient_size(x) + plane->error[1] * bvxi_orient_size(y) +
-                        plane->error[2] * bvxi_orient_size(z);
+    double const size = plane->error[0] * bvxi_absolute(x) + plane->error[1] * bvxi_absolute(y) +
+                        plane->error[2] * bvxi_absolute(z);
     double const bound = BVXI_ORIENT_ERROR * size + BVXI_ORIENT_TINY;
 
     return (height > bound) - (height < -bound);
@@ -95,7 +85,7 @@ static inline int bvxi_orient_flat_side(const double a[3], const double b[3], co
 {
     int const k = axis == 2 ? 0 : axis + 1, l = axis == 0 ? 2 : axis - 1;
     double const x = (a[k] - c[k]) * (b[l] - c[l]), y = (a[l] - c[l]) * (b[k] - c[k]);
-    double const bound = BVXI_ORIENT_FLAT_ERROR * (bvxi_orient_size(x) + bvxi_orient_size(y)) + BVXI_ORIENT_TINY;
+    double const bound = BVXI_ORIENT_FLAT_ERROR * (bvxi_absolute(x) + bvxi_absolute(y)) + BVXI_ORIENT_TINY;
 
     return (x - y > bound) - (x - y < -bound);
 }

@@ -4,14 +4,19 @@
  * and only the ends of edges that a body crosses are measured to it: its own surface, nowhere mixed with the other's. Where both
  * cross, a union has the outer of the two cuts, the others the inner one (of xor no edge is crossed by both). */
 #include "field/nearest.h"
+#include "mesh/pieces.h"
+#include "mesh/sharp_edges.h"
 #include "mesh/view.h"
+#include "mesh/weld.h"
+#include "pipeline/boolean_lattice.h"
+#include "pipeline/crumbs.h"
 #include "pipeline/ends.h"
 #include "surface/field_surface.h"
 
 static const char boolean_name[] = "bvx_boolean";
 
 static const bvx_boolean_options boolean_defaults = {
-    0, NULL, 256, BVX_FILL_PARITY, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, 0, BVX_F32, 0, 0, NULL, {0, 0}};
+    0, NULL, 256, BVX_FILL_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0, NULL, 0, {0}};
 
 void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
 {
@@ -35,6 +40,7 @@ typedef struct boolean_job {
     int32_t operation;
     bvx_lattice lattice;
     boolean_body body[2];
+    bvxi_body_box box[2];
     bvx_grid inside;
     uint64_t grid_bytes, rows;
     bvx_boolean_report report;
@@ -46,8 +52,9 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
 {
     if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: operation %d is unknown", boolean_name, (int64_t)operation);
-    if (o->fill != BVX_FILL_PARITY && o->fill != BVX_FILL_NONZERO && o->fill != BVX_FILL_VOTE && o->fill != BVX_FILL_WINDING)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: fill %d is not BVX_FILL_PARITY, NONZERO, VOTE or WINDING", boolean_name,
+    if (o->fill != BVX_FILL_PARITY && o->fill != BVX_FILL_NONZERO && o->fill != BVX_FILL_VOTE && o->fill != BVX_FILL_WINDING &&
+        o->fill != BVX_FILL_AUTO)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: fill %d is not BVX_FILL_AUTO, PARITY, NONZERO, VOTE or WINDING", boolean_name,
                          (int64_t)o->fill);
     if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: interpolation %d is unknown", boolean_name, (int64_t)o->interpolation);
@@ -56,9 +63,13 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
     if (o->position_type != BVX_F32 && o->position_type != BVX_F64)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither BVX_F32 nor BVX_F64", boolean_name,
                          (int64_t)o->position_type);
-    if ((o->sharp & ~1) != 0 || (o->local_frame & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp and local_frame are 0 or 1", boolean_name);
-    if (o->reserved0 != 0 || o->reserved[0] != 0 || o->reserved[1] != 0)
+    if (o->sharp < -1 || o->sharp > 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", boolean_name, (int64_t)o->sharp);
+    if ((o->local_frame & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: local_frame %d is not 0 or 1", boolean_name, (int64_t)o->local_frame);
+    if ((o->keep_crumbs & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keep_crumbs %d is not 0 or 1", boolean_name, (int64_t)o->keep_crumbs);
+    if (o->reserved[0] != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", boolean_name);
     if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
     if (o->resolution < 1 || o->resolution > 1 << 24)
@@ -68,36 +79,19 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
 
 /* ---- Lattice and solids ---- */
 
-/* Around the box of both meshes, which are checked on the way. */
+static const char *const boolean_mesh[2] = {"bvx_boolean, mesh a", "bvx_boolean, mesh b"};
+
+/* The meshes are checked on the way. */
 static bvx_status choose_boolean_lattice(boolean_job *job, const bvx_mesh *result)
 {
-    static const char *const names[2] = {"bvx_boolean, mesh a", "bvx_boolean, mesh b"};
-    double box[3][3], low[3], high[3]; /* two corners, the first one again: the box as a triangle */
-    bvx_lattice_options o;
-    bvx_mesh_view view;
     for (int32_t i = 0; i < 2; i++) {
-        BVXI_TRY(bvxi_view_check(job->ctx, names[i], job->body[i].mesh));
-        BVXI_TRY(bvxi_view_bounds(job->ctx, names[i], job->body[i].mesh, low, high));
-        BVXI_TRY(bvxi_view_apart(job->ctx, names[i], job->body[i].mesh, result));
-        for (int32_t a = 0; a < 3; a++) {
-            if (i == 0 || low[a] < box[0][a]) box[0][a] = low[a];
-            if (i == 0 || high[a] > box[1][a]) box[1][a] = high[a];
-        }
+        BVXI_TRY(bvxi_view_check(job->ctx, boolean_mesh[i], job->body[i].mesh));
+        BVXI_TRY(bvxi_view_bounds(job->ctx, boolean_mesh[i], job->body[i].mesh, job->box[i].low, job->box[i].high));
+        BVXI_TRY(bvxi_view_apart(job->ctx, boolean_mesh[i], job->body[i].mesh, result));
     }
-    if (job->options->lattice != NULL) {
-        job->lattice = *job->options->lattice;
-        return BVX_OK;
-    }
-    memcpy(box[2], box[0], sizeof box[2]);
-    memset(&view, 0, sizeof view);
-    view.positions = box;
-    view.vertex_count = 3;
-    view.triangle_count = 1;
-    view.position_type = BVX_F64;
-    bvx_lattice_options_init(&o, sizeof o);
-    o.resolution = job->options->resolution;
-    o.padding = 1;
-    return bvx_lattice_fit_with(job->ctx, &view, &o, &job->lattice);
+    if (job->options->lattice == NULL) return bvxi_boolean_lattice(job->ctx, job->operation, job->options->resolution, job->box, &job->lattice);
+    job->lattice = *job->options->lattice;
+    return BVX_OK;
 }
 
 static bvx_status open_boolean_grid(boolean_job *job, const char *what, bvx_grid *grid)
@@ -119,18 +113,121 @@ static bvx_status open_boolean_grids(boolean_job *job)
     return open_boolean_grid(job, "the result's solid", &job->inside);
 }
 
+/* A body, or the result, of few voxels: which, and what would show it. */
+static void advise_boolean(boolean_job *job, int32_t what, double voxels, double wanted)
+{
+    int32_t const advised = bvxi_advised_resolution(&job->lattice, voxels, wanted);
+
+    job->report.few |= what;
+    if (advised > job->report.advised_resolution) job->report.advised_resolution = advised;
+}
+
+/* A body that lies on the lattice and has none of its voxels is lost, and so would be what is asked for. */
+static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
+{
+    bvxi_box_sides const sides = bvxi_sides_on_lattice(&job->box[i], &job->lattice);
+    const int32_t *const n = job->lattice.dims;
+
+    if (voxels == 0 && sides.whole)
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY,
+                         "%s: none of %d x %d x %d voxels has its centre inside: the body is thinner than they are, or encloses nothing; "
+                         "take a resolution of %d or more, or repair it first",
+                         boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2],
+                         (int64_t)bvxi_advised_resolution(&job->lattice, sides.shortest, 2.0));
+
+    if (voxels == 0 && sides.longest > 0.0) advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.shortest, 2.0);
+    else if (sides.longest > 0.0 && sides.longest < BVXI_BOOLEAN_FEW)
+        advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.longest, BVXI_BOOLEAN_WANTED);
+    return BVX_OK;
+}
+
+static bvx_status judge_result(boolean_job *job)
+{
+    int32_t longest = 0;
+    bvx_window box;
+
+    if (job->report.voxels == 0) return BVX_OK;
+    BVXI_TRY(bvx_grid_content(job->ctx, &job->inside, &box));
+    for (int a = 0; a < 3; a++) longest = box.size[a] > longest ? box.size[a] : longest;
+    if (longest < BVXI_BOOLEAN_FEW) advise_boolean(job, BVX_FEW_RESULT, longest, BVXI_BOOLEAN_WANTED);
+    return BVX_OK;
+}
+
 static bvx_status fill_boolean(boolean_job *job)
 {
     static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
         bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
     bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
     bvx_voxelize_options o;
+
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = job->options->fill;
-    for (int32_t i = 0; i < 2; i++) BVXI_TRY(bvx_voxelize_solid(job->ctx, job->body[i].mesh, &job->lattice, &o, &job->body[i].solid));
+    for (int32_t i = 0; i < 2; i++) {
+        o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+        BVXI_TRY(bvx_voxelize_solid(job->ctx, job->body[i].mesh, &job->lattice, &o, &job->body[i].solid));
+    }
+
     BVXI_TRY(combine[job->operation](job->ctx, a, b, &job->inside));
     BVXI_TRY(bvx_grid_count(job->ctx, a, &job->report.voxels_a));
     BVXI_TRY(bvx_grid_count(job->ctx, b, &job->report.voxels_b));
+    BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &job->report.voxels));
+
+    BVXI_TRY(judge_body(job, 0, job->report.voxels_a));
+    BVXI_TRY(judge_body(job, 1, job->report.voxels_b));
+    return judge_result(job);
+}
+
+/* ---- Small parts ---- */
+
+/* The pieces of both meshes, whose vertices count where they are equal. */
+static bvx_status open_boolean_pieces(boolean_job *job, uint32_t *piece[2])
+{
+    for (int32_t i = 0; i < 2; i++) {
+        const bvx_mesh_view *const mesh = job->body[i].mesh;
+        uint32_t *representative;
+        uint64_t different;
+        bvx_status status;
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "a mesh's pieces", &piece[i]));
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' places", &representative));
+        status = bvxi_weld(job->ctx, mesh, representative, &different);
+        if (status == BVX_OK) bvxi_pieces(mesh, representative, piece[i]);
+        bvxi_free(job->ctx, representative, mesh->vertex_count * 4);
+        BVXI_TRY(status);
+    }
+    return BVX_OK;
+}
+
+static bvx_status drop_boolean_crumbs(boolean_job *job)
+{
+    uint32_t *piece[2] = {NULL, NULL};
+    bvx_status status = open_boolean_pieces(job, piece);
+    bvxi_crumb_source const source[2] = {{job->body[0].mesh, piece[0]}, {job->body[1].mesh, piece[1]}};
+
+    for (int32_t empty = 0; empty < 2 && status == BVX_OK; empty++) {
+        uint64_t crumbs = 0;
+        status = bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty, source, 2, &crumbs);
+        job->report.crumbs += crumbs;
+    }
+    for (int32_t i = 2; i-- > 0;) bvxi_free(job->ctx, piece[i], job->body[i].mesh->vertex_count * 4);
+    return status;
+}
+
+/* By crumbs and by least_part. */
+static bvx_status drop_boolean_parts(boolean_job *job)
+{
+    const bvx_boolean_options *const o = job->options;
+    bvx_keep_report report;
+    bvx_keep_options keep;
+
+    if (job->report.voxels == 0) return BVX_OK;
+    if (!o->keep_crumbs) BVXI_TRY(drop_boolean_crumbs(job));
+    if (o->least_part > 1) {
+        bvx_keep_options_init(&keep, sizeof keep);
+        keep.at_least = o->least_part;
+        keep.report = &report;
+        BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
+        job->report.parts_dropped = report.dropped;
+    }
     return bvx_grid_count(job->ctx, &job->inside, &job->report.voxels);
 }
 
@@ -151,7 +248,7 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b, double from, d
     b->room = b->count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 24, "their vectors", &b->vectors));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 8, "their distances", &b->distances));
-    if (job->options->sharp) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 4, "their triangles", &b->triangles));
+    if (job->report.sharp) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 4, "their triangles", &b->triangles));
     if (b->count == 0) return BVX_OK;
     memset(&out, 0, sizeof out);
     out.value_type = BVX_F64;
@@ -159,6 +256,7 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b, double from, d
     out.distances = b->distances;
     out.triangles = b->triangles;
     BVXI_TRY(bvxi_nearest_open(ctx, boolean_name, "measure", from, part, b->mesh, &job->lattice, &nearest));
+    bvxi_nearest_prefer_planes(nearest);
     status = bvxi_nearest_fill(ctx, "measure", part, to, nearest, guess, &b->where, b->first, &out);
     bvxi_nearest_close(ctx, nearest);
     return status;
@@ -199,11 +297,22 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
     bvx_field_surface_options_init(&o, sizeof o);
     o.interpolation = job->options->interpolation;
     o.face_rule = job->options->face_rule;
-    o.sharp = job->options->sharp;
+    o.sharp = job->report.sharp;
     o.position_type = job->options->position_type;
     o.local_frame = job->options->local_frame;
     o.report = &job->report.surface;
     return bvxi_field_surface(job->ctx, boolean_name, &job->inside, values, &o, result);
+}
+
+/* Sharp edges: as asked for, or where one of the meshes has them. */
+static bvx_status choose_boolean_sharp(boolean_job *job)
+{
+    job->report.sharp = job->options->sharp;
+    for (int32_t i = 0; i < 2 && job->options->sharp < 0 && job->report.sharp != 1; i++) {
+        double share;
+        BVXI_TRY(bvxi_sharp_edges(job->ctx, job->body[i].mesh, NULL, &job->report.sharp, &share));
+    }
+    return BVX_OK;
 }
 
 static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
@@ -212,6 +321,8 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     job->report.lattice = job->lattice;
     BVXI_TRY(open_boolean_grids(job));
     BVXI_TRY(fill_boolean(job));
+    BVXI_TRY(drop_boolean_parts(job));
+    BVXI_TRY(choose_boolean_sharp(job));
     BVXI_TRY(measure_body(job, &job->body[0], 0.0, 0.5));
     BVXI_TRY(measure_body(job, &job->body[1], 0.5, 1.0));
     return extract_boolean(job, result);

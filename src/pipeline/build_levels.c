@@ -2,10 +2,12 @@
  *
  * A mesh that is closed, manifold, oriented and does not cross itself is simplified as it is, since nothing
  * is nearer to it. What is not is measured first: the surface that bvx_repair puts between voxels lies a
- * hundredth of a voxel from the mesh and has its guarantee. */
+ * hundredth of a voxel from the mesh and has its guarantee. Sheets are simplified as they are too where their
+ * borders are to stay. */
 #include "mesh/pieces.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"
+#include "pipeline/repair.h"
 #include "simplify/levels.h"
 
 #include <math.h>
@@ -14,16 +16,12 @@ enum {
     PLAN_RATIO = 16,  /* triangles of the measured surface to one of the finest level */
     PLAN_LEAST = 256, /* voxels along the longest axis */
     PLAN_MOST = 320,
-    SHARP_MOST = 500000, /* meshes of more triangles are scans */
+    SCAN_LEAST = 500000, /* meshes of more triangles are scans */
     SCAN_RATIO = 24      /* and are measured where they have this many triangles to one of the finest level */
 };
 
 /* A piece that the input has none for, and that is a smaller share of the volume than this, is a crumb. */
 #define CRUMB_SHARE 1e-3
-
-/* Edges whose facets meet at more than 40 degrees are sharp, at more than 15 bent: cosines. */
-#define SHARP_COSINE 0.766
-#define BENT_COSINE 0.966
 
 static const char levels_name[] = "bvx_build_levels";
 
@@ -68,7 +66,9 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
     if (o->outer && o->least_cavity != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
                          "%s: outer fills every cavity; least_cavity is not used with it", function);
-    if ((o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
+    if (o->open < BVX_OPEN_SHELL || o->open > BVX_OPEN_CUT)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: open %d is unknown", function, (int64_t)o->open);
+    if (o->reserved0 != 0 || (o->reserved[0] | o->reserved[1] | o->reserved[2]) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", function);
     return BVX_OK;
 }
@@ -147,97 +147,6 @@ bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, cons
                       area * longest);
     *resolution = !(wanted > PLAN_LEAST) ? PLAN_LEAST : wanted < PLAN_MOST ? (int32_t)wanted : PLAN_MOST;
     return BVX_OK;
-}
-
-/* ---- Sharp edges ---- */
-
-/* Twice the area, and the normal of length 1 or 0. */
-static double unit_normal(const double p[3][3], double n[3])
-{
-    double u[3], v[3], length;
-
-    for (int a = 0; a < 3; a++) {
-        u[a] = p[1][a] - p[0][a];
-        v[a] = p[2][a] - p[0][a];
-    }
-    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-    length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int a = 0; a < 3; a++) n[a] = length > 0 ? n[a] / length : 0;
-    return length;
-}
-
-/* Lengths of the edges between two triangles: of all, of those that are bent, of those that are sharp. */
-typedef struct edge_lengths {
-    double all, bent, sharp;
-} edge_lengths;
-
-/* Two sides (3 * triangle + k: from corner k to the next) of one edge. */
-static void add_edge(const bvx_mesh_view *mesh, uint32_t one, uint32_t other, edge_lengths *sum)
-{
-    double p[3][3], q[3][3], n[3], m[3], length = 0, cosine;
-    uint32_t v[3], w[3];
-
-    corners_of(mesh, one / 3, p);
-    corners_of(mesh, other / 3, q);
-    if (!(unit_normal((const double(*)[3])p, n) > 0) || !(unit_normal((const double(*)[3])q, m) > 0)) return;
-    bvxi_view_triangle(mesh, one / 3, v);
-    bvxi_view_triangle(mesh, other / 3, w);
-
-    /* Sides that run the same way belong to triangles of opposite orientation. */
-    cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
-    if (v[one % 3] == w[other % 3]) cosine = -cosine;
-    for (int a = 0; a < 3; a++)
-        length += (p[(one + 1) % 3][a] - p[one % 3][a]) * (p[(one + 1) % 3][a] - p[one % 3][a]);
-    length = sqrt(length);
-
-    sum->all += length;
-    if (cosine < SHARP_COSINE)
-        sum->sharp += length;
-    else if (cosine < BENT_COSINE)
-        sum->bent += length;
-}
-
-static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, uint64_t *keys, uint32_t *side,
-                                edge_lengths *sum)
-{
-    uint64_t const n = 3 * mesh->triangle_count;
-
-    for (uint64_t i = 0; i < n; i++) {
-        uint32_t v[3];
-
-        bvxi_view_triangle(mesh, i / 3, v);
-        {
-            uint64_t const a = v[i % 3], b = v[(i + 1) % 3];
-            keys[i] = a < b ? a << 32 | b : b << 32 | a;
-        }
-        side[i] = (uint32_t)i;
-    }
-    BVXI_TRY(bvxi_radix_sort(ctx, keys, side, n));
-
-    for (uint64_t i = 0; i + 1 < n; i++) {
-        if (keys[i] != keys[i + 1]) continue;
-        add_edge(mesh, side[i], side[i + 1], sum);
-        i++;
-    }
-    return BVX_OK;
-}
-
-/* 1 when many edges of the welded mesh are sharp and few are merely bent, as with machine parts. */
-static bvx_status is_sharp_mesh(bvx_context *ctx, const bvx_mesh_view *welded, int32_t *sharp)
-{
-    uint64_t const bytes = welded->triangle_count * 36;
-    edge_lengths sum = {0, 0, 0};
-    unsigned char *block;
-    bvx_status status;
-
-    *sharp = 0;
-    if (welded->triangle_count > SHARP_MOST) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges' lengths", &block));
-    status = measure_edges(ctx, welded, (uint64_t *)(void *)block,
-                           (uint32_t *)(void *)(block + welded->triangle_count * 24), &sum);
-    bvxi_free(ctx, block, bytes);
-    *sharp = sum.sharp > 0.01 * sum.all && sum.sharp > 2 * sum.bent;
-    return status;
 }
 
 /* ---- Crumbs ---- */
@@ -339,45 +248,45 @@ static bvx_status simplify_as_it_is(levels_job *job, const bvx_mesh_view *welded
     return bvxi_levels_make(job->ctx, &job->chain, welded, 0.2, 1.0);
 }
 
-static bvx_status repair_surface(levels_job *job, const bvx_mesh_view *welded, bvx_mesh *surface)
+static bvx_status repair_surface(levels_job *job, bvx_mesh *surface)
 {
     const bvx_levels_options *const o = job->options;
     int32_t const type = o->position_type != 0 ? o->position_type : BVX_F32;
     bvx_repair_options r;
     bvx_status status;
-    int32_t sharp = o->sharp;
 
     bvx_repair_options_init(&r, sizeof r);
     r.lattice = o->lattice;
     r.resolution = o->resolution;
     if (o->resolution == 0)
         BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &r.resolution));
-    if (sharp < 0) BVXI_TRY(is_sharp_mesh(job->ctx, welded, &sharp));
-    r.sharp = sharp;
+    r.sharp = o->sharp;
     r.sign = o->sign;
     r.shell = o->shell;
     r.least_part = o->least_part;
+    r.keep_crumbs = o->least_part != 0;
     r.least_cavity = o->outer ? UINT64_MAX : o->least_cavity;
     r.position_type = type;
     if (o->report != NULL) r.report = &job->report.repair;
 
     /* Far from the origin floats are too coarse: doubles where nobody asked for floats. */
-    status = bvx_repair(job->ctx, job->mesh, &r, surface);
+    status = bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface);
     if (status == BVX_ERR_RANGE && o->position_type == 0) {
         r.position_type = BVX_F64;
-        status = bvx_repair(job->ctx, job->mesh, &r, surface);
+        status = bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface);
     }
     return status;
 }
 
-static bvx_status simplify_measured(levels_job *job, const bvx_mesh_view *welded)
+static bvx_status simplify_measured(levels_job *job)
 {
     bvx_mesh surface = {0};
     bvx_mesh_view view;
-    bvx_status status = repair_surface(job, welded, &surface);
+    bvx_status status = repair_surface(job, &surface);
 
     if (status == BVX_OK) status = drop_crumbs(job, &surface);
     if (status == BVX_OK) {
+        job->report.crumbs += job->report.repair.crumbs;
         bvx_mesh_view_of(&surface, &view);
         job->report.source = BVX_LEVELS_MEASURED;
         job->report.triangles = view.triangle_count;
@@ -412,13 +321,42 @@ static bvx_status choose_source(levels_job *job, const bvx_mesh_view *welded)
 
     /* The measured surface of a large scan has fewer triangles to collapse, and none of the tiny handles that
      * scans have. */
-    if (c->triangles > SHARP_MOST &&
+    if (c->triangles > SCAN_LEAST &&
         c->triangles / SCAN_RATIO > finest_of(o, job->chain.count, c->triangles)) {
         *reason = BVX_MEASURED_LARGE;
         return BVX_OK;
     }
     BVXI_TRY(bvx_mesh_crossings(job->ctx, welded, &job->report.crossings, NULL, 0));
     if (job->report.crossings != 0) *reason = BVX_MEASURED_CROSSINGS;
+    return BVX_OK;
+}
+
+/* ---- Sheets ---- */
+
+/* The first edge that no sheet can have, in the report. */
+static void report_refused(levels_job *job, const bvx_mesh_view *welded, const bvxi_sheets_report *sheets)
+{
+    job->report.doubles = sheets->doubles;
+    job->report.turned = sheets->turned;
+    job->report.refused_edges = sheets->refused;
+    for (int i = 0; i < 2 && sheets->refused != 0; i++)
+        bvxi_view_position(welded, sheets->edge[i], job->report.refused_edge[i]);
+}
+
+/* The mesh as it is, with its borders, where nobody asked for shells and it can be taken so; else the reason to
+ * measure it stays. It may cross itself: closed levels are not what is wanted. */
+static bvx_status keep_sheets(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
+{
+    int32_t const open = job->options->open;
+    bvxi_sheets_report sheets;
+
+    BVXI_TRY(bvxi_sheets_prepare(job->ctx, welded, corner, &sheets));
+    report_refused(job, welded, &sheets);
+    if (open == BVX_OPEN_KEEP && sheets.refused != 0) return BVX_OK;
+
+    job->report.reason = BVX_MEASURED_NOT;
+    job->chain.collapse.borders = open == BVX_OPEN_CUT ? BVXI_BORDERS_CUT : BVXI_BORDERS_KEPT;
+    job->chain.collapse.lenient = 1;
     return BVX_OK;
 }
 
@@ -445,9 +383,15 @@ static bvx_status try_as_it_is(levels_job *job, const bvx_mesh_view *welded)
     return BVX_OK;
 }
 
-static bvx_status levels_steps(levels_job *job, const bvx_mesh_view *welded)
+static int is_defect(int32_t reason)
+{
+    return reason >= BVX_MEASURED_OPEN && reason <= BVX_MEASURED_FLAT;
+}
+
+static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
 {
     bvx_certificate *const c = &job->report.before;
+    int const open = job->options->open != BVX_OPEN_SHELL;
 
     BVXI_TRY(bvx_mesh_check(job->ctx, welded, 0, c));
     if (c->triangles == c->degenerate)
@@ -455,11 +399,13 @@ static bvx_status levels_steps(levels_job *job, const bvx_mesh_view *welded)
                          levels_name, job->mesh->triangle_count);
 
     BVXI_TRY(choose_source(job, welded));
+    if (open && (is_defect(job->report.reason) || is_defect(reason_of(c))))
+        BVXI_TRY(keep_sheets(job, welded, corner));
     if (job->report.reason == BVX_MEASURED_CROSSINGS)
         BVXI_TRY(try_as_it_is(job, welded));
     else if (job->report.reason == BVX_MEASURED_NOT)
         return simplify_as_it_is(job, welded);
-    return job->report.reason == BVX_MEASURED_NOT ? BVX_OK : simplify_measured(job, welded);
+    return job->report.reason == BVX_MEASURED_NOT ? BVX_OK : simplify_measured(job);
 }
 
 static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
@@ -503,6 +449,11 @@ bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
                          "measured surface; "
                          "source is BVX_LEVELS_MESH",
                          levels_name);
+    if (o.open != BVX_OPEN_SHELL && (o.source == BVX_LEVELS_MEASURED || wants_measured(&o)))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                         "%s: a measured surface is closed; open %d keeps borders of the mesh itself, without a "
+                         "lattice, a resolution, a sign, least_part, least_cavity and outer",
+                         levels_name, (int64_t)o.open);
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
     for (uint64_t i = 0; i < level_count; i++)
         BVXI_TRY(bvxi_view_apart(context, levels_name, mesh, &levels[i]));
@@ -513,7 +464,7 @@ bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", levels_name);
     BVXI_TRY(bvxi_view_bounds(context, levels_name, mesh, low, high));
     status = bvxi_welded_view(context, mesh, &welded, &corner);
-    if (status == BVX_OK) status = levels_steps(&job, &welded);
+    if (status == BVX_OK) status = levels_steps(&job, &welded, corner);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
     bvxi_free(context, corner, mesh->triangle_count * 12);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;

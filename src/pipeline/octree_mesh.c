@@ -107,6 +107,7 @@ static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
     }
     BVXI_TRY(bvx_mesh_merge(job->ctx, job->part, job->part_count, &made));
     if (!job->keys) drop_mesh_keys(job->ctx, &made);
+    bvx_mesh_free(job->ctx, mesh);
     *mesh = made;
     return BVX_OK;
 }
@@ -133,8 +134,8 @@ bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int3
     octree_mesh_job job = {0};
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, octree_mesh_name, "mesh");
-    if (mesh->positions != NULL || mesh->triangles != NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh must be empty", octree_mesh_name);
+    if (mesh->owned != 1 && (mesh->positions != NULL || mesh->triangles != NULL))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh must be empty or the library's own", octree_mesh_name);
     BVXI_TRY(bvxi_octree_check(context, octree_mesh_name, tree));
     BVXI_TRY(bvxi_octree_check_states(context, octree_mesh_name, states));
     bvx_extract_options_init(&job.options, sizeof job.options);

@@ -12,8 +12,8 @@
 
 const char bvxi_repair_name[] = "bvx_repair";
 
-static const bvx_repair_options repair_defaults = {0, NULL, 256, BVX_SIGN_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, 0, BVX_F32, 0, 0,
-                                                   2.0, 0, 0, 0, 100000, NULL, {0, 0}};
+static const bvx_repair_options repair_defaults = {0, NULL, 256, BVX_SIGN_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0,
+                                                   2.0, 0, 0, 0, 100000, NULL, 0, 0, BVX_THIN_SHELL, 0, {0}};
 
 void bvx_repair_options_init(bvx_repair_options *options, size_t size)
 {
@@ -28,12 +28,19 @@ static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_option
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: signs by normals are wrong beyond holes; take auto, exact, winding or vote", bvxi_repair_name);
     if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: interpolation %d is unknown", bvxi_repair_name, (int64_t)o->interpolation);
-    if (((o->sharp | o->measure) & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp and measure are 0 or 1", bvxi_repair_name);
+    if (o->sharp < -1 || o->sharp > 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", bvxi_repair_name, (int64_t)o->sharp);
+    if ((o->measure & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: measure %d is not 0 or 1", bvxi_repair_name, (int64_t)o->measure);
     if (!(o->shell == 0 || (o->shell >= 1.5 && o->shell <= 1e6)))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a shell of %g voxels; it is 0 for none, or from 1.5 to 10^6", bvxi_repair_name, o->shell);
     if (o->measure && (o->measure_samples < 1 || o->measure_samples > INT32_MAX))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %u samples to measure with; 1 to 2^31 - 1 are possible", bvxi_repair_name, o->measure_samples);
-    if ((o->reserved[0] | o->reserved[1]) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", bvxi_repair_name);
+    if (((o->keep_crumbs | o->if_needed) & ~1) != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keep_crumbs %d and if_needed %d are 0 or 1", bvxi_repair_name, (int64_t)o->keep_crumbs,
+                         (int64_t)o->if_needed);
+    if (o->thin < BVX_THIN_SHELL || o->thin > BVX_THIN_DROP)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: thin %d is none of BVX_THIN_SHELL .. BVX_THIN_DROP", bvxi_repair_name, (int64_t)o->thin);
+    if (o->reserved0 != 0 || o->reserved[0] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", bvxi_repair_name);
     return BVX_OK;
 }
 
@@ -110,6 +117,8 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
     int32_t resolution = job->options->resolution;
     uint64_t voxels;
     BVXI_TRY(bvxi_repair_take(job));
+    BVXI_TRY(bvxi_repair_needs(job));
+    if (job->options->if_needed && job->report.needs == BVX_NEEDS_NOTHING) return bvxi_repair_copy(job, repaired);
     if (job->options->target_triangles != 0) BVXI_TRY(search_repair(job, &resolution));
     BVXI_TRY(bvxi_repair_lattice(job, resolution));
     BVXI_TRY(bvxi_repair_inside(job));
@@ -120,11 +129,18 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
                          job->report.parts_dropped != 0 ? "every part is below least_part"
                                                         : "the mesh encloses no centre; take a higher resolution, or allow shells");
     BVXI_TRY(bvxi_repair_surface(job, repaired));
+    BVXI_TRY(bvxi_repair_flatten(job, repaired));
     if (job->options->report == NULL) return BVX_OK;
     return bvxi_repair_measure(job, repaired);
 }
 
 bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired)
+{
+    return bvxi_repair_known(context, mesh, NULL, options, repaired);
+}
+
+bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, const bvx_certificate *known,
+                             const bvx_repair_options *options, bvx_mesh *repaired)
 {
     bvx_repair_options o = repair_defaults;
     bvxi_repair_job job;
@@ -141,6 +157,7 @@ bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx
     job.ctx = context;
     job.options = &o;
     job.given = mesh;
+    job.known = known;
     mine = repaired->positions == NULL;
     status = repair_steps(&job, repaired);
     bvxi_repair_let_go(&job);

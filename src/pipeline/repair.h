@@ -3,12 +3,26 @@
 #define BVXI_REPAIR_H
 
 #include "grid/grid.h"
+#include "mesh/closest_query.h"
 #include "voxelize/winding.h"
+
+/* Outside centres beside walls too thin for the lattice: where the wall ends when it is made thick enough. */
+typedef struct bvxi_thin {
+    bvx_grid near;           /* the centres, before some were put inside; without words where no wall is thin */
+    uint64_t *first;         /* number of each row's first value [Size: rows + 1] */
+    float *reach;            /* how far off the mesh the thicker wall ends; below 0: of a sheet, as far as its size; 0: no wall is thin
+                                [Size: values] [Units: largest spacings] */
+    uint64_t rows, values;
+    uint32_t *corner;        /* of the body's triangles nearby [Size: body.triangle_count * 3] */
+    uint64_t corner_bytes;
+    bvx_closest closest;     /* a search among them */
+} bvxi_thin;
 
 typedef struct bvxi_repair_job {
     bvx_context *ctx;
     const bvx_repair_options *options;
     const bvx_mesh_view *given;
+    const bvx_certificate *known; /* of given, welded and without collapsed triangles, where the caller has it, or NULL */
     bvx_mesh_view mesh;      /* given, without triangles that are there twice */
     bvx_mesh_view body;      /* of these, those that enclose something */
     bvx_mesh_view sheets;    /* and those that do not, which become shells */
@@ -16,9 +30,11 @@ typedef struct bvxi_repair_job {
     uint32_t *parted;        /* body's, then sheets', or NULL: body is mesh [Size: mesh.triangle_count * 3] */
     uint32_t *piece;         /* of each vertex: the least one that it hangs together with, or NULL [Size: given->vertex_count] */
     bvx_lattice lattice;
+    int32_t resolution;      /* that it was fitted by, where none was given */
     bvx_grid solid;          /* what body encloses; without words before the first, as inside */
     bvx_grid inside;         /* the result: solid and shells, less small parts and cavities */
     uint64_t grid_bytes;     /* of the words of each */
+    bvxi_thin thin;
     bvxi_holes holes;        /* of mesh, then of body, on the lattice, as the sign sees them */
     bvxi_winding *winding;   /* while sheets are looked for, and the surface made: for lids over holes */
     int32_t fill;            /* BVX_FILL_... that the sign stands for */
@@ -26,6 +42,10 @@ typedef struct bvxi_repair_job {
 } bvxi_repair_job;
 
 extern const char bvxi_repair_name[];
+
+/* repair.c: bvx_repair for a caller that has checked the mesh, as in bvxi_repair_job. */
+bvx_status bvxi_repair_known(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_certificate *known, const bvx_repair_options *options,
+                             bvx_mesh *repaired);
 
 /* repair_input.c: what the mesh is, its sign, its triangles once each, its pieces. */
 bvx_status bvxi_repair_take(bvxi_repair_job *job);
@@ -49,11 +69,22 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job);
 /* Put to inside what lies within half the shell's thickness of the sheets. */
 bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job);
 
+/* repair_thin.c: find walls of the body too thin for the lattice, and put centres to inside until they hold. */
+bvx_status bvxi_repair_thicken(bvxi_repair_job *job);
+void bvxi_thin_close(bvxi_repair_job *job);
+
+/* repair_flatten.c: vertices of thickened walls go to where the mesh has them, as far as no triangles cross. */
+bvx_status bvxi_repair_flatten(bvxi_repair_job *job, bvx_mesh *repaired);
+
 /* repair_parts.c: drop small parts of inside and fill small cavities; count all. */
 bvx_status bvxi_repair_clean(bvxi_repair_job *job);
 
 /* repair_surface.c: the surface of inside. */
 bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired);
+
+/* repair_needs.c: why the mesh needs a repair; a copy of one that needs none. */
+bvx_status bvxi_repair_needs(bvxi_repair_job *job);
+bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy);
 
 /* repair_report.c: what the report says beyond what the steps have counted. */
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired);

@@ -1,19 +1,47 @@
 /* repair_input.c - a mesh made ready for repair: what it is, its triangles once each, the pieces that hang together.
  *
  * Triangles that are there twice would count as two turns of the surface, so all but the first go. */
+#include "mesh/patches.h"
 #include "mesh/pieces.h"
+#include "mesh/sharp_edges.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"
 #include "mesh/weld.h"
 #include "pipeline/repair.h"
 
+/* The minority of each patch is turned round, so that winding numbers are right; *sign becomes VOTE where that is not to be had: a
+ * patch with one side only, or closed patches that stay against each other. */
+static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const double high[3], const uint32_t *representative, int32_t *sign)
+{
+    double centre[3];
+    bvxi_patches patches;
+    bvx_status status = BVX_OK;
+
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
+    BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, &patches));
+    if (patches.unorientable != 0 || (patches.odd_edges == 0 && patches.open_edges != 0)) {
+        *sign = BVX_SIGN_VOTE;
+    } else {
+        if (job->corner == NULL)
+            status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the turned triangles", &job->corner);
+        if (status == BVX_OK) bvxi_patches_turn(&job->mesh, &patches, job->corner, &job->mesh);
+        job->report.turned = patches.turned;
+    }
+    bvxi_patches_close(job->ctx, &patches);
+    return status;
+}
+
 /* Flips that only show once triangles are there once each do not count: which of two opposite ones is first is chance. */
-static void choose_sign(bvxi_repair_job *job)
+static bvx_status choose_sign(bvxi_repair_job *job, const double low[3], const double high[3], const uint32_t *representative)
 {
     int32_t sign = job->options->sign;
-    if (sign == BVX_SIGN_AUTO) sign = job->report.before.flipped_edges != 0 ? BVX_SIGN_VOTE : BVX_SIGN_WINDING;
+    if (sign == BVX_SIGN_AUTO) {
+        sign = BVX_SIGN_WINDING;
+        if (job->report.before.flipped_edges != 0) BVXI_TRY(turn_flipped(job, low, high, representative, &sign));
+    }
     job->report.sign = sign;
     job->fill = sign == BVX_SIGN_EXACT ? BVX_FILL_PARITY : sign == BVX_SIGN_VOTE ? BVX_FILL_VOTE : BVX_FILL_WINDING;
+    return BVX_OK;
 }
 
 void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count, bvx_mesh_view *view)
@@ -30,7 +58,10 @@ static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *represen
     uint64_t kept;
     if (job->report.before.duplicates + job->report.before.collapsed == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the triangles once each", &job->corner));
-    BVXI_TRY(bvxi_drop_duplicates(job->ctx, job->given, representative, job->corner, &kept));
+    if (job->report.before.duplicates == 0)
+        kept = bvxi_drop_collapsed(job->given, representative, job->corner);
+    else
+        BVXI_TRY(bvxi_drop_duplicates(job->ctx, job->given, representative, job->corner, &kept));
     bvxi_repair_view(job, job->corner, kept, &job->mesh);
     return BVX_OK;
 }
@@ -39,13 +70,31 @@ static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *represen
 static bvx_status check_given(bvxi_repair_job *job, const double low[3], const double high[3], uint32_t *representative)
 {
     bvx_certificate *const r = &job->report.before;
-    int const edges_alone = job->options->report == NULL;
+    int const edges_alone = job->options->report == NULL && !job->options->if_needed;
     uint64_t different;
     BVXI_TRY(bvxi_weld(job->ctx, job->given, representative, &different));
-    BVXI_TRY(bvxi_check_welded(job->ctx, bvxi_repair_name, job->given, low, high, representative, different, edges_alone, r));
+    if (job->known != NULL) {
+        *r = *job->known;
+        r->collapsed = job->given->triangle_count - r->triangles;
+        r->unused_vertices = different - r->vertices;
+    } else {
+        BVXI_TRY(bvxi_check_welded(job->ctx, bvxi_repair_name, job->given, low, high, representative, different, edges_alone, r));
+    }
     if (r->triangles == r->degenerate)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area", bvxi_repair_name,
                          job->given->triangle_count);
+    return BVX_OK;
+}
+
+/* Sharp edges: as asked for, or as the mesh has them. */
+static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representative)
+{
+    int32_t const asked = job->options->sharp;
+    bvx_repair_report *const r = &job->report;
+
+    if (asked < 0 || job->options->report != NULL)
+        BVXI_TRY(bvxi_sharp_edges(job->ctx, &job->mesh, representative, &r->sharp, &r->sharp_share));
+    if (asked >= 0) r->sharp = asked;
     return BVX_OK;
 }
 
@@ -61,9 +110,10 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     job->mesh = *job->given;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative));
     status = check_given(job, low, high, representative);
-    if (status == BVX_OK) choose_sign(job);
     if (status == BVX_OK) status = drop_duplicates(job, representative);
-    if (status == BVX_OK && job->options->shell != 0) {
+    if (status == BVX_OK) status = choose_sign(job, low, high, representative);
+    if (status == BVX_OK) status = choose_sharp(job, representative);
+    if (status == BVX_OK) {
         status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' pieces", &job->piece);
         if (status == BVX_OK) bvxi_pieces(&job->mesh, representative, job->piece);
     }
@@ -74,6 +124,7 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
 void bvxi_repair_let_go(bvxi_repair_job *job)
 {
     bvxi_holes_close(job->ctx, &job->holes);
+    bvxi_thin_close(job);
     bvxi_free(job->ctx, job->inside.words, job->grid_bytes);
     bvxi_free(job->ctx, job->solid.words, job->grid_bytes);
     bvxi_free(job->ctx, job->parted, job->mesh.triangle_count * 12);

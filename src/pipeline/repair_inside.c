@@ -13,6 +13,7 @@ static bvx_status open_scratch_grid(bvxi_repair_job *job, bvx_grid *grid)
 
 static bvx_status open_grids(bvxi_repair_job *job)
 {
+    bvxi_thin_close(job);
     bvxi_free(job->ctx, job->inside.words, job->grid_bytes);
     bvxi_free(job->ctx, job->solid.words, job->grid_bytes);
     memset(&job->inside, 0, sizeof job->inside);
@@ -43,5 +44,6 @@ bvx_status bvxi_repair_inside(bvxi_repair_job *job)
     BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->inside));
     memcpy(job->inside.words, job->solid.words, (size_t)job->grid_bytes);
     if (job->sheets.triangle_count != 0) BVXI_TRY(bvxi_repair_lay_shells(job));
+    BVXI_TRY(bvxi_repair_thicken(job));
     return bvxi_repair_clean(job);
 }

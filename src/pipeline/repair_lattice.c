@@ -4,6 +4,7 @@
 bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution)
 {
     bvx_lattice_options o;
+    job->resolution = resolution;
     if (job->options->lattice != NULL) {
         job->lattice = *job->options->lattice;
         return BVX_OK;

@@ -3,6 +3,7 @@
  * Parts are connected through faces, cavities through faces too (with marching cubes' face rule SEPARATE a cavity's empty corners may
  * touch beyond; they stay cavities of their own). A space of empty voxels is a cavity when it does not touch the window's sides. */
 #include "grid/spaces.h"
+#include "pipeline/crumbs.h"
 #include "pipeline/repair.h"
 
 /* Mark the spaces below least; *kept and *gone count parts or cavities. */
@@ -42,9 +43,18 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
 {
     const bvx_repair_options *const o = job->options;
     bvx_repair_report *const r = &job->report;
+    bvxi_crumb_source const source = {&job->mesh, job->piece};
+    uint64_t crumbs[2] = {0, 0};
+
+    for (int32_t empty = 0; empty < 2 && !o->keep_crumbs; empty++)
+        BVXI_TRY(bvxi_drop_crumbs(job->ctx, bvxi_repair_name, &job->inside, empty, &source, 1, &crumbs[empty]));
+    r->crumbs = crumbs[0] + crumbs[1];
+
     if (o->least_part > 1 || o->report != NULL)
         BVXI_TRY(clean_spaces(job, 0, o->least_part, &r->parts_kept, &r->parts_dropped));
     if (o->least_cavity > 1 || o->report != NULL)
         BVXI_TRY(clean_spaces(job, 1, o->least_cavity, &r->cavities_kept, &r->cavities_dropped));
+    r->parts_dropped += crumbs[0];
+    r->cavities_dropped += crumbs[1];
     return BVX_OK;
 }

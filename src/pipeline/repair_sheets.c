@@ -1,8 +1,8 @@
 /* repair_sheets.c - which pieces of a mesh enclose nothing, and the shells that they become.
  *
  * A piece is a sheet when a lid over its holes would be nearly as large as itself (terrain: a lid of 0.7 of its area or more), or when
- * the solid has no voxel close behind most of its area, on either side: walls thinner than a voxel, surfaces that lie in
- * themselves. The lid is measured by the vector area of each loop of open edges, which no way of closing it can fall below.
+ * it is open, or as narrow as a rod (or in any case, by BVX_THIN_SHELL), and the solid has no voxel close behind most of its area, on either side: what is thinner than a
+ * voxel, surfaces that lie in themselves. Thin walls of closed pieces are kept as such (repair_thin.c). The lid is measured by the vector area of each loop of open edges, which no way of closing it can fall below.
  * A piece of large lid is no sheet where the pieces together enclose something (repair_enclosed.c): a face of a part whose faces
  * do not touch. A lid over all of these must be small in its turn, and they must enclose it without what are sheets.
  * A shell is what lies within half its thickness of the sheets: closed for any sheet.
@@ -16,6 +16,7 @@
 
 #define SHEET_LID 0.7  /* of a piece's area */
 #define SHEET_KEPT 0.5 /* of a piece's area */
+#define SHEET_THIN 0.005 /* largest spacings of volume an area: a wall of a hundredth of it */
 #define SHEET_JOINED 0.5 /* of a piece's area is enclosed by all */
 
 enum { SHEET_ROUNDS = 8 };
@@ -23,7 +24,11 @@ enum { SHEET_ROUNDS = 8 };
 /* What a piece is like, by its least vertex. */
 typedef struct piece_sums {
     double area, kept, lid, joined;
+    double low[3], high[3], first[3]; /* its box, a corner of it */
+    double volume;                    /* with its sign */
     uint64_t triangles;
+    int32_t open; /* 1: has loops of open edges */
+    int32_t rod;  /* 1: is thinner than a bar of one voxel, or encloses next to nothing; by BVX_THIN_SHELL any piece may be a sheet */
 } piece_sums;
 
 static double vector_length(const double v[3])
@@ -77,6 +82,45 @@ static void corners_of_triangle(const bvx_mesh_view *mesh, uint64_t t, uint32_t 
     for (int k = 0; k < 3; k++) bvxi_view_position(mesh, c[k], p[k]);
 }
 
+static void take_into_piece(piece_sums *piece, const double p[3][3])
+{
+    for (int a = 0; a < 3; a++) {
+        if (piece->triangles == 0) piece->low[a] = piece->high[a] = piece->first[a] = p[0][a];
+        for (int k = 0; k < 3; k++) {
+            if (p[k][a] < piece->low[a]) piece->low[a] = p[k][a];
+            if (p[k][a] > piece->high[a]) piece->high[a] = p[k][a];
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        int const i = (a + 1) % 3, j = (a + 2) % 3;
+        double const *const o = piece->first;
+
+        piece->volume += ((p[1][i] - o[i]) * (p[2][j] - o[j]) - (p[1][j] - o[j]) * (p[2][i] - o[i])) * (p[0][a] - o[a]) / 6.0;
+    }
+    piece->triangles++;
+}
+
+/* Pieces of less area than a bar one voxel square of their diagonal's length: they may pass between all lines of centres. And pieces
+ * whose triangles look to either side at random, so that their volume is next to none. */
+static void find_rods(const bvxi_repair_job *job, piece_sums *sums)
+{
+    double const side = bvxi_largest_spacing(&job->lattice);
+
+    if (job->options->thin == BVX_THIN_DROP) return;
+    for (uint64_t v = 0; v < job->given->vertex_count; v++) {
+        piece_sums *const s = &sums[v];
+        double length = 0;
+
+        if (job->options->thin == BVX_THIN_SHELL) {
+            s->rod = 1;
+            continue;
+        }
+
+        for (int a = 0; a < 3; a++) length += (s->high[a] - s->low[a]) * (s->high[a] - s->low[a]);
+        s->rod = s->triangles != 0 && (s->area < 4.0 * side * sqrt(length) || bvxi_absolute(s->volume) < SHEET_THIN * side * s->area);
+    }
+}
+
 static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
 {
     double step[3];
@@ -87,7 +131,7 @@ static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
         uint32_t c[3];
         corners_of_triangle(&job->mesh, t, c, p);
         piece = &sums[job->piece[c[0]]];
-        piece->triangles++;
+        take_into_piece(piece, (const double(*)[3])p);
         cross_of_triangle((const double(*)[3])p, n);
         length = vector_length(n);
         if (!(length > 0)) continue;
@@ -112,6 +156,7 @@ static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, piece
             for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];
         }
         sums[job->piece[holes->vertex[begin]]].lid += vector_length(sum);
+        sums[job->piece[holes->vertex[begin]]].open = 1;
     }
 }
 
@@ -143,7 +188,8 @@ static int is_joined(const piece_sums *s)
 
 static int is_sheet(const piece_sums *s)
 {
-    return s->area > 0 && !is_joined(s) && (s->lid >= SHEET_LID * s->area || s->kept < SHEET_KEPT * s->area);
+    if (!(s->area > 0) || is_joined(s)) return 0;
+    return s->lid >= SHEET_LID * s->area || ((s->open || s->rod) && s->kept < SHEET_KEPT * s->area);
 }
 
 /* Triangles of bodies first, those of sheets last; pieces without area are left out. Without sheets the body is the mesh. */
@@ -252,6 +298,7 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     if (job->options->shell == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the pieces' areas", &sums));
     sum_areas(job, sums);
+    find_rods(job, sums);
     status = sum_lids(job, sums);
     if (status == BVX_OK) status = join_open_pieces(job, sums);
     if (status == BVX_OK) status = list_parted(job, sums);

@@ -37,6 +37,7 @@ static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, con
     out.distances = distances;
     out.triangles = triangles;
     BVXI_TRY(bvxi_nearest_open(job->ctx, bvxi_repair_name, "measure", from, part, mesh, &job->lattice, &nearest));
+    bvxi_nearest_prefer_planes(nearest);
     status = bvxi_nearest_fill(job->ctx, "measure", part, to, nearest, guess, &v->where, v->first, &out);
     bvxi_nearest_close(job->ctx, nearest);
     return status;
@@ -48,6 +49,32 @@ static void shell_value(double thick, double vector[3], double *distance)
     double const d = *distance, scale = d > 0 ? (d - thick) / d : 0;
     for (int a = 0; a < 3; a++) vector[a] *= scale;
     *distance = d - thick;
+}
+
+/* The surface of a thickened wall lies off the mesh. */
+static void thicken_values(const bvxi_repair_job *job, repair_values *v)
+{
+    const bvxi_thin *const thin = &job->thin;
+    size_t const words = (size_t)v->where.words_per_row;
+    double const unit = bvxi_largest_spacing(&job->lattice);
+
+    for (size_t i = 0; thin->near.words != NULL && i < words * (size_t)v->rows; i++) {
+        uint64_t n = v->first[i / words], m = thin->first[i / words];
+
+        if ((v->where.words[i] & thin->near.words[i]) == 0) continue;
+        for (size_t k = i - i % words; k < i; k++) {
+            n += bvxi_popcount(v->where.words[k]);
+            m += bvxi_popcount(thin->near.words[k]);
+        }
+        for (uint64_t bits = v->where.words[i]; bits != 0; bits &= bits - 1, n++) {
+            uint64_t const bit = bits & (~bits + 1);
+            double reach;
+
+            if ((thin->near.words[i] & bit) == 0) continue;
+            reach = thin->reach[m + bvxi_popcount(thin->near.words[i] & (bit - 1))];
+            shell_value((reach < 0 ? -reach : reach) * unit, v->vectors + 3 * n, &v->distances[n]);
+        }
+    }
 }
 
 /* The union of body and shell: signed distances, the lesser one's value. */
@@ -104,9 +131,10 @@ static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
     v->count = bvxi_ends_number(&v->where, v->first);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 24, "their vectors", &v->vectors));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 8, "their distances", &v->distances));
-    if (job->options->sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "their triangles", &v->triangles));
+    if (job->report.sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "their triangles", &v->triangles));
     if (job->body.triangle_count != 0)
         BVXI_TRY(measure_mesh(job, v, &job->body, 0, v->vectors, v->distances, v->triangles, 0.0, shells ? 0.5 : 1.0));
+    thicken_values(job, v);
     return shells ? measure_with_shells(job, v) : BVX_OK;
 }
 
@@ -152,7 +180,7 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const repair_values *v,
     o.face_rule = from->face_rule;
     o.position_type = from->position_type;
     o.local_frame = from->local_frame;
-    o.sharp = from->sharp;
+    o.sharp = job->report.sharp;
     memset(&report, 0, sizeof report);
     o.report = &report;
     BVXI_TRY(bvxi_field_surface(job->ctx, bvxi_repair_name, &job->inside, &values, &o, repaired));

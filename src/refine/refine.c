@@ -193,7 +193,6 @@ bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx
     bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (tree == NULL) return bvxi_fail_null(context, bvx_refine_name, "tree");
-    if (*tree != NULL) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: *tree is not NULL; free it first", bvx_refine_name);
     BVXI_TRY(check_refine_arguments(context, mesh, base, options, &o));
     memset(&job, 0, sizeof job);
     job.ctx = context;
@@ -207,7 +206,11 @@ bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx
     if (status == BVX_OK) status = take_refine_window(&job, &o);
     if (status == BVX_OK) status = refine_from_start(&job, o.start_level);
     bvxi_snap_free(context, &job.snapped);
-    if (status != BVX_OK) bvx_octree_free(context, job.tree);
-    else *tree = job.tree;
-    return status;
+    if (status != BVX_OK) {
+        bvx_octree_free(context, job.tree);
+        return status;
+    }
+    bvx_octree_free(context, *tree);
+    *tree = job.tree;
+    return BVX_OK;
 }

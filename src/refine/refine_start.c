@@ -185,6 +185,7 @@ static void start_surface(const bvxi_refine_job *job, const bvx_grid *grid, bvxi
     const bvx_octree *const tree = job->tree;
     for (int a = 0; a < 3; a++) surface->size[a] = tree->base[a] << job->start;
     surface->view = job->view;
+    surface->solid = NULL;
     surface->grid = grid;
     surface->snapped = job->snapped;
     surface->fraction_bits = tree->lattice.fraction_bits + tree->levels - job->start;

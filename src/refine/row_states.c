@@ -135,6 +135,7 @@ static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby,
     bvx_context *const ctx = job->ctx;
     bvx_voxelize_options o;
     bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = BVX_FILL_PARITY; /* nearby triangles are an open mesh, and rows are what is asked for */
     for (int32_t l = job->outer; l <= job->tree->levels; l++) {
         bvx_lattice lattice;
         BVXI_TRY(bvxi_octree_lattice(ctx, job->tree, l, &lattice));

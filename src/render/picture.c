@@ -73,8 +73,8 @@ bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bv
 {
     *options = render_defaults;
     if (image == NULL) return bvxi_fail_null(ctx, function, "image");
-    if (image->pixels != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: image holds pixels already; free or zero it first", function);
+    if (image->pixels != NULL && (image->width < 1 || image->height < 1))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: image brings pixels, which are not used; zero it first", function);
     BVXI_TRY(bvxi_take_options(ctx, function, given, options, sizeof *options));
     BVXI_TRY(check_picture_options(ctx, function, options));
     return looked_at ? check_picture_view(ctx, function, options) : BVX_OK;

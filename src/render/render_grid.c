@@ -106,6 +106,7 @@ static bvx_status render_grid_scene(bvx_context *ctx, bvxi_grid_scene *s, bvx_im
     s->picture.see = see_face;
     s->picture.model = s;
     BVXI_TRY(bvxi_picture_make(ctx, &s->picture));
+    bvx_image_free(ctx, image);
     *image = s->picture.image;
     return BVX_OK;
 }

@@ -283,6 +283,9 @@ bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh, cons
     bvxi_free(context, s.normal, mesh->vertex_count * 12);
     bvxi_triangle_bins_close(context, &s.bins);
     bvxi_free(context, s.vertex, mesh->vertex_count * sizeof *s.vertex);
-    if (status == BVX_OK) *image = s.picture.image;
-    return status;
+    if (status != BVX_OK) return status;
+
+    bvx_image_free(context, image);
+    *image = s.picture.image;
+    return BVX_OK;
 }

@@ -299,6 +299,7 @@ bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t
     BVXI_TRY(find_slice_box(context, &s));
     lay_out_sheet(&s);
     BVXI_TRY(make_sheet(context, &s));
+    bvx_image_free(context, image);
     *image = s.image;
     return BVX_OK;
 }

@@ -342,6 +342,7 @@ static bvx_status close_result(slice_work *w, bvx_sections *sections)
     s->loop_capacity = s->loop_count;
     BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24, "the points"));
     s->point_capacity = s->point_count;
+    bvx_sections_free(w->ctx, sections);
     *sections = *s;
     memset(s, 0, sizeof *s);
     return BVX_OK;

@@ -97,8 +97,9 @@ static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
     s->report.loops++;
     s->report.points += l->point_count;
     if (c->count >= 3) return BVX_OK;
-    return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: loop %u of section %u has %u different points; a loop needs three", s->function,
-                     (uint64_t)number, (uint64_t)p->section, (uint64_t)c->count);
+    if (c->count == 0) c->count = 1; /* all are equal to the one before */
+    return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: loop %u of section %u has %u different point%s; a loop needs three", s->function,
+                     (uint64_t)number, (uint64_t)p->section, (uint64_t)c->count, c->count == 1 ? "" : "s");
 }
 
 /* Arrays for the points and loops of all planes, of which each has a stretch. */

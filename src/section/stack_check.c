@@ -24,8 +24,8 @@ static bvx_status check_loop(bvx_context *ctx, const char *function, const bvx_s
 bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, const bvx_sections *result)
 {
     if (result == NULL) return bvxi_fail_null(ctx, function, "sections");
-    if (result->points != NULL || result->loops != NULL || result->positions != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sections holds arrays already; free or zero it first", function);
+    if (result->owned != 1 && (result->points != NULL || result->loops != NULL || result->positions != NULL))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sections brings arrays, which are not used; zero it first", function);
     return BVX_OK;
 }
 

@@ -51,6 +51,15 @@ static inline int16_t bvxi_box_step(const bvxi_box_tree *tree, double position, 
     return (int16_t)(x <= 0 ? 0 : x >= BVXI_BOX_HIGHEST ? BVXI_BOX_HIGHEST : (int32_t)x);
 }
 
+/* A position in whole steps, as a box that is one point. */
+static inline bvxi_box bvxi_box_at(const bvxi_box_tree *tree, const double *p)
+{
+    bvxi_box box;
+
+    for (int a = 0; a < 3; a++) box.low[a] = box.high[a] = bvxi_box_step(tree, p[a], a);
+    return box;
+}
+
 /* The box of a triangle's three corners. */
 static inline bvxi_box bvxi_box_of(const bvxi_box_tree *tree, const double *a, const double *b,
                                    const double *c)
@@ -74,6 +83,17 @@ static inline void bvxi_box_join(bvxi_box *box, const bvxi_box *other)
     }
 }
 
+static inline bvxi_box bvxi_box_child(const bvxi_box_node *node, int32_t k)
+{
+    bvxi_box box;
+
+    for (int a = 0; a < 3; a++) {
+        box.low[a] = node->low[a][k];
+        box.high[a] = node->high[a][k];
+    }
+    return box;
+}
+
 /* A box to compare eight others with at once. */
 typedef struct bvxi_box_query {
 #if defined(__SSE2__) && defined(__GNUC__)
@@ -93,6 +113,21 @@ static inline bvxi_box_query bvxi_box_ask(const bvxi_box *box)
     }
 #else
     q.box = *box;
+#endif
+    return q;
+}
+
+/* The same of child k of a node. */
+static inline bvxi_box_query bvxi_box_ask_child(const bvxi_box_node *node, int32_t k)
+{
+    bvxi_box_query q;
+#if defined(__SSE2__) && defined(__GNUC__)
+    for (int a = 0; a < 3; a++) {
+        q.low[a] = _mm_set1_epi16(node->low[a][k]);
+        q.high[a] = _mm_set1_epi16(node->high[a][k]);
+    }
+#else
+    q.box = bvxi_box_child(node, k);
 #endif
     return q;
 }
@@ -135,17 +170,6 @@ static inline void bvxi_box_put(bvxi_box_node *node, int32_t k, const bvxi_box *
 static inline bvxi_box bvxi_box_none(void)
 {
     bvxi_box const box = {{INT16_MAX, INT16_MAX, INT16_MAX}, {INT16_MIN, INT16_MIN, INT16_MIN}};
-    return box;
-}
-
-static inline bvxi_box bvxi_box_child(const bvxi_box_node *node, int32_t k)
-{
-    bvxi_box box;
-
-    for (int a = 0; a < 3; a++) {
-        box.low[a] = node->low[a][k];
-        box.high[a] = node->high[a][k];
-    }
     return box;
 }
 

@@ -9,48 +9,27 @@
  * and the boxes and the queue are made anew, so that memory is walked in the order of space and edges that
  * were refused come back.
  *
- * Guarantee: every state is closed, edge- and vertex-manifold, oriented and, where the mesh given was,
- * without crossing triangles; sequential, doubles with + - x / sqrt alone: the same mesh everywhere. */
+ * At borders planes are added that stand on the triangle along each border edge, so that borders keep their
+ * place and corners.
+ *
+ * Guarantee: every state is closed where the mesh given was, edge- and vertex-manifold, oriented and, where the
+ * mesh given was, without crossing triangles; sequential, doubles with + - x / sqrt alone: the same mesh everywhere. */
 #include "simplify/simplify.h"
 #include "mesh/mesh.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"
-#include "simplify/corners.h"
-#include "simplify/queue.h"
-#include "simplify/star.h"
+#include "simplify/collapse_state.h"
 
 #include <math.h>
 
 enum {
     COLLAPSE_REPORT = 1024,   /* edges that are tried between two reports of progress */
     COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
-
-    /* While more than so many times the target are left, and more triangles than a cache holds, edges are
-     * taken in batches that lie together: on a scan of 423,308 triangles down to 27,000 1.7 times faster than
-     * in batches of 8192, and 0.3 % further from the original. */
-    COLLAPSE_FAR = 3,
-    COLLAPSE_NEAR = 65536,
-    COLLAPSE_BATCH = 512,
-
     COLLAPSE_LATER = 2 * BVXI_QUEUE_OCTAVE /* how much later a refused edge is tried again */
 };
 
-struct bvxi_collapse {
-    bvx_context *ctx;
-    const char *function;
-    bvxi_collapse_options options;
-    bvxi_corners mesh;
-    bvxi_box_tree boxes;
-    bvxi_queue queue;
-    uint32_t *version; /* of each vertex: grows when it moves */
-    double scale;      /* quadrics measure lengths in units of 1 / scale, the mesh's size */
-    bvxi_collapse_counts counts;
-    uint64_t packed; /* triangles when the mesh was packed last */
-    uint64_t begun_vertices, begun_triangles;
-    unsigned char *nodes, *chunks;
-    uint64_t node_bytes, chunk_bytes;
-    bvxi_star star; /* of the edge that is tried */
-};
+/* Of the plane at a border edge, to that of a triangle of twice the area of the edge's square. */
+#define BORDER_WEIGHT 1.0
 
 /* ---- Cost ---- */
 
@@ -102,41 +81,62 @@ static void join_quadrics(const bvxi_corner_vertex *u, const bvxi_corner_vertex 
     for (int i = 0; i < 3; i++) q->c += offset[i] * (g[i] + other.b[i]);
 }
 
-/* Solve A step = -g by elimination with the largest remaining diagonal first, which keeps small eigenvalues
- * apart from rounding; 0: A is singular within it. */
-static int solve_least(const double packed[6], const double g[3], double step[3])
+static void swap_values(double *a, double *b)
 {
-    double a[3][4] = {{packed[0], packed[1], packed[2], -g[0]},
-                      {packed[1], packed[3], packed[4], -g[1]},
-                      {packed[2], packed[4], packed[5], -g[2]}};
-    double const least = (packed[0] + packed[3] + packed[5]) * 1e-13;
-    int order[3] = {0, 1, 2};
+    double const was = *a;
 
-    for (int k = 0; k < 3; k++) {
-        int best = k;
+    *a = *b;
+    *b = was;
+}
 
-        for (int i = k + 1; i < 3; i++)
-            if (a[order[i]][order[i]] > a[order[best]][order[best]]) best = i;
-        {
-            int const swap = order[k];
-            order[k] = order[best];
-            order[best] = swap;
-        }
-        if (!(a[order[k]][order[k]] > least)) return 0;
+/* Solve A step = -g by elimination with the largest remaining diagonal first, which keeps small eigenvalues
+ * apart from rounding; 0: A is singular within it. Rows are exchanged by name, so that nothing is indexed. */
+static int solve_least(const double a[6], const double g[3], double step[3])
+{
+    double const least = (a[0] + a[3] + a[5]) * 1e-13;
+    int const first = a[3] > a[0] ? a[5] > a[3] ? 2 : 1 : a[5] > a[0] ? 2 : 0;
+    double xx = a[0], xy = a[1], xz = a[2], yy = a[3], yz = a[4], zz = a[5];
+    double x = -g[0], y = -g[1], z = -g[2], to_y, to_z, zy;
+    int exchanged;
 
-        for (int i = k + 1; i < 3; i++) {
-            double const factor = a[order[i]][order[k]] / a[order[k]][order[k]];
-
-            for (int j = k + 1; j < 3; j++) a[order[i]][order[j]] -= factor * a[order[k]][order[j]];
-            a[order[i]][3] -= factor * a[order[k]][3];
-        }
+    if (first == 1) {
+        swap_values(&xx, &yy);
+        swap_values(&xz, &yz);
+        swap_values(&x, &y);
+    } else if (first == 2) {
+        swap_values(&xx, &zz);
+        swap_values(&xy, &yz);
+        swap_values(&x, &z);
     }
-    for (int k = 2; k >= 0; k--) {
-        double sum = a[order[k]][3];
-
-        for (int j = k + 1; j < 3; j++) sum -= a[order[k]][order[j]] * step[order[j]];
-        step[order[k]] = sum / a[order[k]][order[k]];
+    if (!(xx > least)) return 0;
+    to_y = xy / xx;
+    to_z = xz / xx;
+    yy -= to_y * xy;
+    zz -= to_z * xz;
+    exchanged = zz > yy;
+    if (exchanged) {
+        swap_values(&xy, &xz);
+        swap_values(&to_y, &to_z);
+        swap_values(&yy, &zz);
+        swap_values(&y, &z);
     }
+    if (!(yy > least)) return 0;
+
+    y -= to_y * x;
+    z -= to_z * x;
+    zy = yz - to_z * xy;
+    yz -= to_y * xz;
+    to_z = zy / yy;
+    zz -= to_z * yz;
+    if (!(zz > least)) return 0;
+
+    z = (z - to_z * y) / zz;
+    y = (y - yz * z) / yy;
+    x = (x - xy * y - xz * z) / xx;
+    if (exchanged) swap_values(&y, &z);
+    step[0] = first == 0 ? x : first == 1 ? y : z;
+    step[1] = first == 1 ? x : y;
+    step[2] = first == 2 ? x : z;
     return 1;
 }
 
@@ -173,7 +173,7 @@ static double meeting_point(const bvxi_collapse *c, uint32_t u, uint32_t v, quad
     return at_v < q->c ? at_v : q->c;
 }
 
-static void put_edge(bvxi_collapse *c, int32_t corner)
+void bvxi_collapse_put(bvxi_collapse *c, int32_t corner)
 {
     uint32_t const u = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(corner));
     uint32_t const v = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(corner));
@@ -181,10 +181,21 @@ static void put_edge(bvxi_collapse *c, int32_t corner)
     quadric q;
     double d[3];
 
+    if (c->locked != NULL && (c->locked[u] | c->locked[v]) != 0) return;
     entry.corner = corner;
     entry.stamp = c->version[u] + c->version[v];
     entry.bucket = bvxi_queue_bucket(meeting_point(c, u, v, &q, d));
-    bvxi_queue_put(&c->queue, &entry);
+    if (entry.bucket <= c->dearest) bvxi_queue_put(&c->queue, &entry);
+}
+
+int32_t bvxi_collapse_bucket(const bvxi_collapse *c, int32_t corner)
+{
+    uint32_t const u = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(corner));
+    uint32_t const v = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(corner));
+    quadric q;
+    double d[3];
+
+    return bvxi_queue_bucket(meeting_point(c, u, v, &q, d));
 }
 
 /* ---- Collapsing ---- */
@@ -198,6 +209,7 @@ static void drop_triangle(bvxi_collapse *c, int32_t corner)
     bvxi_corners_join(m, bvxi_corner_opposite(m, bvxi_corner_next(corner)),
                       bvxi_corner_opposite(m, bvxi_corner_previous(corner)));
     m->triangle[corner >> 2].vertex[0] = BVXI_VERTEX_NONE;
+    if (bvxi_corner_is_ghost(m, corner)) return;
     m->left--;
     bvxi_box_tree_remove(&c->boxes, corner >> 2);
 }
@@ -230,13 +242,24 @@ static void apply_star(bvxi_collapse *c, const bvxi_star *star, const quadric *q
     drop_triangle(c, across);
     for (int32_t i = 0; i < star->count; i++) {
         m->triangle[star->corner[i] >> 2].vertex[star->corner[i] & 3] = u;
-        m->facing[star->link[i]] = star->facing[i];
-        bvxi_box_tree_move(&c->boxes, star->corner[i] >> 2, &star->box[i]);
+        if (i != star->ghost) m->facing[star->link[i]] = star->facing[i];
+        if (!bvxi_corner_is_ghost(m, star->corner[i]))
+            bvxi_box_tree_move(&c->boxes, star->corner[i] >> 2, &star->box[i]);
     }
     m->facing[u] = star->own_facing;
 
     /* The edge from the new vertex to each of its neighbours has another cost now. */
-    for (int32_t i = 0; i < star->count; i++) put_edge(c, bvxi_corner_previous(star->corner[i]));
+    for (int32_t i = 0; i < star->count; i++)
+        if (i != star->ghost) bvxi_collapse_put(c, bvxi_corner_previous(star->corner[i]));
+}
+
+static int is_within(const bvxi_collapse *c, const double p[3])
+{
+    bvxi_box const at = bvxi_box_at(&c->boxes, p);
+    int within = 1;
+
+    for (int k = 0; k < 3; k++) within &= (at.low[k] >= c->bounds.low[k]) & (at.low[k] <= c->bounds.high[k]);
+    return within;
 }
 
 /* Judge the star with its new vertex at an offset from u. */
@@ -245,6 +268,7 @@ static int judge_at(bvxi_collapse *c, const double d[3])
     bvxi_star *const star = &c->star;
 
     for (int k = 0; k < 3; k++) star->p[k] = rounded(c, c->mesh.at[star->u].p[k] + d[k] / c->scale);
+    if (c->locked != NULL && !is_within(c, star->p)) return BVXI_STAR_LINK;
     return bvxi_star_judge(&c->mesh, &c->boxes, star);
 }
 
@@ -265,7 +289,7 @@ static int judge_elsewhere(bvxi_collapse *c, const quadric *q, int32_t bucket)
 }
 
 /* Collapse an edge where that is safe, else put it back among those that cost four times as much. */
-static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
+void bvxi_collapse_try(bvxi_collapse *c, bvxi_queue_entry *entry)
 {
     const bvxi_corners *const m = &c->mesh;
     uint32_t u, v;
@@ -297,7 +321,7 @@ static void try_edge(bvxi_collapse *c, bvxi_queue_entry *entry)
     c->counts.needle += verdict == BVXI_STAR_NEEDLE;
     c->counts.crossed += verdict == BVXI_STAR_CROSSES;
     entry->bucket += COLLAPSE_LATER;
-    if (entry->bucket < BVXI_QUEUE_FINE) bvxi_queue_put(&c->queue, entry);
+    if (entry->bucket <= c->dearest) bvxi_queue_put(&c->queue, entry);
 }
 
 /* Pack the mesh, and make boxes and queue anew. */
@@ -312,15 +336,21 @@ static void pack_collapse(bvxi_collapse *c)
     bvxi_queue_clear(&c->queue);
     for (int32_t t = 0; t < (int32_t)m->triangles; t++)
         for (int32_t corner = 4 * t; corner < 4 * t + 3; corner++)
-            if (corner < bvxi_corner_opposite(m, corner)) put_edge(c, corner);
+            if (corner < bvxi_corner_opposite(m, corner)) bvxi_collapse_put(c, corner);
     c->packed = m->left;
 }
 
 bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, double to)
 {
-    uint64_t const begun = c->mesh.left;
-    uint64_t collapsed = c->counts.collapsed;
+    uint64_t begun, collapsed = c->counts.collapsed;
     bvxi_queue_entry entry;
+
+    /* Cells know nothing of ghosts. */
+    if (c->mesh.ghosts == 0 && c->mesh.left > COLLAPSE_FAR * target && c->mesh.left > COLLAPSE_NEAR) {
+        BVXI_TRY(bvxi_collapse_cells(c, target, from, 0.5 * (from + to)));
+        from = 0.5 * (from + to);
+    }
+    begun = c->mesh.left;
 
     for (uint64_t tried = 0; c->mesh.left > target; tried++) {
         if (tried % COLLAPSE_REPORT == 0)
@@ -329,16 +359,11 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
                                               (double)(begun - target)));
 
         if (c->mesh.left <= c->packed / 2 || bvxi_queue_room(&c->queue) < BVXI_STAR_MOST) pack_collapse(c);
-
-        /* Far from the target the order of space saves time, near it the order of cost decides what is seen.
-         */
-        c->queue.batch =
-            c->mesh.left > COLLAPSE_FAR * target && c->mesh.left > COLLAPSE_NEAR ? COLLAPSE_BATCH : INT32_MAX;
         if (bvxi_queue_take(&c->queue, &entry)) {
             int32_t const soon = bvxi_queue_soon(&c->queue);
 
             if (soon >= 0) BVXI_PREFETCH(&c->mesh.triangle[soon >> 2]);
-            try_edge(c, &entry);
+            bvxi_collapse_try(c, &entry);
             continue;
         }
 
@@ -479,14 +504,6 @@ static uint64_t mark_used(collapse_order *o)
     return used;
 }
 
-static bvx_status open_vertices(bvxi_collapse *c)
-{
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.at, "the vertices",
-                        &c->mesh.at));
-    return bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.facing,
-                           "what vertices face", &c->mesh.facing);
-}
-
 static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const double low[3], double size)
 {
     uint64_t const items =
@@ -502,8 +519,9 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     o.index = (uint32_t *)(void *)(o.key + items);
     o.rank = o.index + items;
 
-    c->begun_vertices = mark_used(&o);
-    status = open_vertices(c);
+    c->mesh.vertex_room = mark_used(&o);
+    status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
+                        &c->mesh.at);
     if (status == BVX_OK) status = take_mesh(c, &o);
     bvxi_free(c->ctx, block, bytes);
     return status;
@@ -560,6 +578,31 @@ static void add_lines(bvxi_collapse *c, double (*normal)[3])
     }
 }
 
+/* Planes upright on the triangles of border edges, each to both ends of its edge. */
+static void add_borders(bvxi_collapse *c)
+{
+    const bvxi_corners *const m = &c->mesh;
+
+    for (uint64_t t = m->triangles; t < m->triangles + m->ghosts; t++) {
+        const bvxi_corner_triangle *const ghost = &m->triangle[t];
+        const uint32_t *const v = m->triangle[ghost->opposite[0] >> 2].vertex;
+        const double *const a = m->at[ghost->vertex[1]].p, *const b = m->at[ghost->vertex[2]].p;
+        double const edge[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+        double const square = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2];
+        double n[3], plane[3], length;
+
+        bvxi_area_normal(m->at[v[0]].p, m->at[v[1]].p, m->at[v[2]].p, n);
+        for (int k = 0; k < 3; k++)
+            plane[k] = edge[(k + 1) % 3] * n[(k + 2) % 3] - edge[(k + 2) % 3] * n[(k + 1) % 3];
+        length = sqrt(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
+        if (!(length > 0)) continue;
+
+        for (int k = 0; k < 3; k++) plane[k] /= length;
+        for (int i = 1; i < 3; i++)
+            add_plane(&c->mesh.at[ghost->vertex[i]], plane, BORDER_WEIGHT * square * c->scale * c->scale);
+    }
+}
+
 static bvx_status start_quadrics(bvxi_collapse *c)
 {
     uint64_t const bytes = c->mesh.vertices * 24;
@@ -573,6 +616,7 @@ static bvx_status start_quadrics(bvxi_collapse *c)
     }
     add_planes(c, normal);
     if (c->options.even > 0) add_lines(c, normal);
+    add_borders(c);
     bvxi_free(c->ctx, normal, bytes);
     return BVX_OK;
 }
@@ -581,13 +625,16 @@ static bvx_status start_quadrics(bvxi_collapse *c)
 
 static bvx_status open_arrays(bvxi_collapse *c)
 {
-    uint64_t const entries = 3 * c->begun_triangles + BVXI_STAR_MOST;
+    uint64_t const entries = 3 * c->mesh.triangles + BVXI_STAR_MOST;
     uint64_t const spread = entries / (BVXI_QUEUE_CHUNK - 1) + BVXI_QUEUE_HEADS;
 
     c->queue.chunks = (int32_t)(entries < spread ? entries : spread) + 2 * BVXI_STAR_MOST;
-    c->node_bytes = bvxi_box_tree_bytes(c->begun_triangles);
+    c->begun_vertices = c->mesh.vertices;
+    c->node_bytes = bvxi_box_tree_bytes(c->mesh.triangles);
     c->chunk_bytes =
         (uint64_t)c->queue.chunks * sizeof *c->queue.chunk + BVXI_QUEUE_HEADS * sizeof *c->queue.head;
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.facing,
+                             "what vertices face", &c->mesh.facing));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->version,
                         "the vertices' versions", &c->version));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->node_bytes, "the triangles' boxes", &c->nodes));
@@ -595,7 +642,7 @@ static bvx_status open_arrays(bvxi_collapse *c)
 
     c->queue.chunk = (bvxi_queue_chunk *)(void *)c->chunks;
     c->queue.head = (int32_t *)(void *)(c->queue.chunk + c->queue.chunks);
-    bvxi_box_tree_lay_out(&c->boxes, c->begun_triangles, c->nodes);
+    bvxi_box_tree_lay_out(&c->boxes, c->mesh.triangles, c->nodes);
     return BVX_OK;
 }
 
@@ -611,16 +658,15 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     c->boxes.scale = size > 0 ? BVXI_BOX_HIGHEST / size : 0;
     c->scale = size > 0 ? 1 / size : 1;
 
-    c->begun_triangles = c->mesh.triangles = mesh->triangle_count;
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_triangles * sizeof *c->mesh.triangle, "the triangles",
-                        &c->mesh.triangle));
+    c->mesh.triangle_room = c->mesh.triangles = mesh->triangle_count;
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.triangle_room * sizeof *c->mesh.triangle,
+                        "the triangles", &c->mesh.triangle));
     BVXI_TRY(order_mesh(c, mesh, low, size));
-    BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh));
+    BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
     BVXI_TRY(start_quadrics(c));
 
-    BVXI_TRY(open_arrays(c));
-    pack_collapse(c);
-    return BVX_OK;
+    c->packed = UINT64_MAX; /* boxes and queue are not set yet */
+    return open_arrays(c);
 }
 
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
@@ -637,6 +683,8 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->function = function;
     c->options = *options;
     c->star.lenient = options->lenient;
+    c->dearest = BVXI_QUEUE_FINE - 1;
+    c->queue.batch = INT32_MAX;
     status = open_steps(c, mesh);
     if (status == BVX_OK)
         *collapse = c;
@@ -652,8 +700,8 @@ void bvxi_collapse_close(bvxi_collapse *c)
     bvxi_free(c->ctx, c->nodes, c->node_bytes);
     bvxi_free(c->ctx, c->version, c->begun_vertices * sizeof *c->version);
     bvxi_free(c->ctx, c->mesh.facing, c->begun_vertices * sizeof *c->mesh.facing);
-    bvxi_free(c->ctx, c->mesh.triangle, c->begun_triangles * sizeof *c->mesh.triangle);
-    bvxi_free(c->ctx, c->mesh.at, c->begun_vertices * sizeof *c->mesh.at);
+    bvxi_free(c->ctx, c->mesh.triangle, c->mesh.triangle_room * sizeof *c->mesh.triangle);
+    bvxi_free(c->ctx, c->mesh.at, c->mesh.vertex_room * sizeof *c->mesh.at);
     bvxi_free(c->ctx, c, sizeof *c);
 }
 

@@ -4,7 +4,7 @@
  * each edge's end of fewer neighbours costs O(edges) in all on surfaces.
  *
  * Every edge waits at its end of fewer triangles for its second side. Guarantee: what bvxi_corners_connect
- * accepts is closed, edge- and vertex-manifold and oriented. */
+ * accepts is closed (by ghosts where it has borders), edge- and vertex-manifold and oriented. */
 #include "simplify/corners.h"
 
 /* ---- Connecting ---- */
@@ -17,18 +17,40 @@ typedef struct edge_lists {
     uint32_t *around; /* triangles of each vertex [Size: vertices] */
 } edge_lists;
 
-static bvx_status fail_edge(bvx_context *ctx, const char *function, uint32_t u, uint32_t v)
+/* An opposite of the first corner that waited at an edge whose sides are all borders. */
+#define CORNER_CUT (-2)
+
+static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_corners *m, int32_t corner,
+                            int borders)
 {
+    const double *const p = bvxi_corner_position(m, bvxi_corner_vertex_of(m, bvxi_corner_next(corner)));
+    const double *const q = bvxi_corner_position(m, bvxi_corner_vertex_of(m, bvxi_corner_previous(corner)));
+
+    if (borders == BVXI_BORDERS_REFUSED)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: the mesh is not closed, manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, "
+                         "%g) does not have two triangles that run along it in opposite directions; bvx_repair makes "
+                         "such a mesh",
+                         function, p[0], p[1], p[2], q[0], q[1], q[2]);
     return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                     "%s: the mesh is not closed, manifold and oriented: the edge between vertices %u and %u "
-                     "does not have "
-                     "two triangles that run along it in opposite directions; bvx_repair makes such a mesh",
-                     function, (uint64_t)u, (uint64_t)v);
+                     "%s: the mesh is not manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, %g) has "
+                     "three triangles, or two that run along it in the same direction; BVX_OPEN_CUT makes borders of "
+                     "such edges",
+                     function, p[0], p[1], p[2], q[0], q[1], q[2]);
+}
+
+/* Make borders of both sides of an edge, or of the one that waits. */
+static void cut_both_sides(bvxi_corners *m, int32_t waiting)
+{
+    int32_t const other = bvxi_corner_opposite(m, waiting);
+
+    if (other >= 0) m->triangle[other >> 2].opposite[other & 3] = -1;
+    m->triangle[waiting >> 2].opposite[waiting & 3] = CORNER_CUT;
 }
 
 /* Join a corner with the one that waits across its edge, or let it wait; 0 when the edge has too many sides,
  * or two that run the same way. */
-static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c)
+static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, int borders)
 {
     uint32_t const u = bvxi_corner_vertex_of(m, bvxi_corner_next(c)),
                    v = bvxi_corner_vertex_of(m, bvxi_corner_previous(c));
@@ -39,10 +61,14 @@ static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c)
         uint32_t const a = bvxi_corner_vertex_of(m, bvxi_corner_next(e)),
                        b = bvxi_corner_vertex_of(m, bvxi_corner_previous(e));
 
-        if (a == u && b == v) return 0;
-        if (a != v || b != u) continue;
-        if (bvxi_corner_opposite(m, e) >= 0) return 0;
-        bvxi_corners_join(m, c, e);
+        if (!((a == u && b == v) || (a == v && b == u))) continue;
+        if (a == v && bvxi_corner_opposite(m, e) == -1) {
+            bvxi_corners_join(m, c, e);
+            return 1;
+        }
+        if (borders != BVXI_BORDERS_CUT) return 0;
+        cut_both_sides(m, e);
+        m->triangle[c >> 2].opposite[c & 3] = -1;
         return 1;
     }
 
@@ -52,9 +78,44 @@ static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c)
     return u != v;
 }
 
-/* Join all corners across their edges. A refusal names the two ends of the first edge that has one side, three
- * or more, or two that run the same way. */
-static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corners *m, edge_lists *lists)
+static int is_border(const bvxi_corners *m, int32_t c)
+{
+    int32_t const opposite = bvxi_corner_opposite(m, c);
+
+    return opposite < 0 || bvxi_corner_is_ghost(m, opposite);
+}
+
+/* The border edge that goes on where that of corner c ends: at the other end of the fan around the vertex
+ * between. *triangles becomes how many that fan has. */
+static int32_t next_border(const bvxi_corners *m, int32_t c, int32_t *triangles)
+{
+    int32_t at = bvxi_corner_previous(c);
+
+    for (*triangles = 1; !is_border(m, bvxi_corner_previous(at)); ++*triangles)
+        at = bvxi_corner_previous(bvxi_corner_opposite(m, bvxi_corner_previous(at)));
+    return bvxi_corner_previous(at);
+}
+
+/* A cut as short as one edge leaves two edges between the same vertices: it goes on through the middle of the
+ * triangles around one of them, which so becomes two. */
+static void lengthen_cut(bvxi_corners *m, int32_t c)
+{
+    int32_t fan, back, at = bvxi_corner_previous(c);
+    int32_t const next = next_border(m, c, &fan);
+
+    if (bvxi_corner_vertex_of(m, bvxi_corner_previous(next)) != bvxi_corner_vertex_of(m, bvxi_corner_next(c)) ||
+        next_border(m, next, &back) != c)
+        return;
+
+    for (int32_t i = 1; i < fan / 2; i++)
+        at = bvxi_corner_previous(bvxi_corner_opposite(m, bvxi_corner_previous(at)));
+    cut_both_sides(m, bvxi_corner_previous(at));
+}
+
+/* Join all corners across their edges, and count borders as ghosts. A refusal names the two ends of the first
+ * edge that has one side, three or more, or two that run the same way. */
+static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corners *m, edge_lists *lists,
+                               int borders)
 {
     int32_t const end = (int32_t)(4 * m->triangles);
 
@@ -66,14 +127,17 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
         for (int k = 0; k < 3; k++) lists->around[m->triangle[t].vertex[k]]++;
 
     for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1)
-        if (!pair_corner(m, lists, c))
-            return fail_edge(ctx, function, bvxi_corner_vertex_of(m, bvxi_corner_next(c)),
-                             bvxi_corner_vertex_of(m, bvxi_corner_previous(c)));
+        if (!pair_corner(m, lists, c, borders)) return fail_edge(ctx, function, m, c, borders);
 
-    for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1)
-        if (bvxi_corner_opposite(m, c) < 0)
-            return fail_edge(ctx, function, bvxi_corner_vertex_of(m, bvxi_corner_next(c)),
-                             bvxi_corner_vertex_of(m, bvxi_corner_previous(c)));
+    for (int32_t c = 0; c < end && borders == BVXI_BORDERS_CUT; c += (c & 3) == 2 ? 2 : 1)
+        if (is_border(m, c)) lengthen_cut(m, c);
+
+    m->ghosts = 0;
+    for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1) {
+        if (bvxi_corner_opposite(m, c) >= 0) continue;
+        if (borders == BVXI_BORDERS_REFUSED) return fail_edge(ctx, function, m, c, borders);
+        m->ghosts++;
+    }
     return BVX_OK;
 }
 
@@ -102,7 +166,119 @@ static bvx_status check_fans(bvx_context *ctx, const char *function, const bvxi_
         function);
 }
 
-bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *m)
+/* ---- Borders ---- */
+
+static bvx_status grow_vertices(bvx_context *ctx, bvxi_corners *m, uint64_t room)
+{
+    bvxi_corner_vertex *larger;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the vertices of parts that touch", &larger));
+    memcpy(larger, m->at, (size_t)m->vertices * sizeof *larger);
+    bvxi_free(ctx, m->at, m->vertex_room * sizeof *larger);
+    m->at = larger;
+    m->vertex_room = room;
+    return BVX_OK;
+}
+
+static bvx_status grow_triangles(bvx_context *ctx, const char *function, bvxi_corners *m)
+{
+    uint64_t const room = m->triangles + m->ghosts;
+    bvxi_corner_triangle *larger;
+
+    if (room > INT32_MAX / 4)
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: %u triangles with %u border edges are too many; %u together are possible", function,
+                         m->triangles, m->ghosts, (uint64_t)INT32_MAX / 4);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the triangles and their borders", &larger));
+    memcpy(larger, m->triangle, (size_t)m->triangles * sizeof *larger);
+    bvxi_free(ctx, m->triangle, m->triangle_room * sizeof *larger);
+    m->triangle = larger;
+    m->triangle_room = room;
+    return BVX_OK;
+}
+
+/* Give every border edge its ghost triangle, whose corner 0 is the ghost. */
+static void put_ghosts(bvxi_corners *m)
+{
+    int32_t const end = (int32_t)(4 * m->triangles);
+    int32_t ghost = end;
+
+    for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1) {
+        uint32_t *const v = m->triangle[ghost >> 2].vertex;
+
+        if (bvxi_corner_opposite(m, c) >= 0) continue;
+        v[0] = BVXI_VERTEX_GHOST;
+        v[1] = bvxi_corner_vertex_of(m, bvxi_corner_previous(c));
+        v[2] = bvxi_corner_vertex_of(m, bvxi_corner_next(c));
+        bvxi_corners_join(m, c, ghost);
+        ghost += 4;
+    }
+}
+
+/* Join ghosts with the next ones of their borders: the next border edge is found around the vertex between. */
+static void join_ghosts(bvxi_corners *m)
+{
+    int32_t const end = (int32_t)(4 * (m->triangles + m->ghosts));
+
+    for (int32_t ghost = (int32_t)(4 * m->triangles); ghost < end; ghost += 4) {
+        int32_t fan;
+        int32_t const next = next_border(m, bvxi_corner_opposite(m, ghost), &fan);
+
+        bvxi_corners_join(m, ghost + 2, bvxi_corner_opposite(m, next) + 1);
+    }
+}
+
+/* Walk every fan once. The first fan of a vertex keeps it, others get new vertices from `fresh` on; with fresh
+ * 0 they are counted alone. first, seen: scratch of each vertex and of each corner. Returns fans that share. */
+static uint64_t part_fans(bvxi_corners *m, int32_t *first, int32_t *seen, uint64_t fresh)
+{
+    int32_t const end = (int32_t)(4 * m->triangles);
+    uint64_t shared = 0;
+
+    memset(first, 0, (size_t)m->vertices * sizeof *first);
+    memset(seen, 0, (size_t)end * sizeof *seen);
+    for (int32_t start = 0; start < end; start += (start & 3) == 2 ? 2 : 1) {
+        uint32_t v = bvxi_corner_vertex_of(m, start);
+        int32_t c = start;
+
+        if (seen[start]) continue;
+        if (first[v]++ > 0) {
+            if (fresh != 0) {
+                m->at[fresh + shared] = m->at[v];
+                v = (uint32_t)(fresh + shared);
+            }
+            shared++;
+        }
+        do {
+            if (!bvxi_corner_is_ghost(m, c)) seen[c] = 1;
+            m->triangle[c >> 2].vertex[c & 3] = v;
+            c = bvxi_corner_turn_left(m, c);
+        } while (c != start);
+    }
+    return shared;
+}
+
+static bvx_status close_borders(bvx_context *ctx, const char *function, bvxi_corners *m, int32_t *first,
+                                int32_t *seen)
+{
+    uint64_t shared;
+
+    if (m->ghosts != 0) {
+        BVXI_TRY(grow_triangles(ctx, function, m));
+        put_ghosts(m);
+        join_ghosts(m);
+    }
+
+    /* Parts that touch in a vertex touch no more: each has one of its own there. */
+    shared = part_fans(m, first, seen, 0);
+    if (shared == 0) return BVX_OK;
+    BVXI_TRY(grow_vertices(ctx, m, m->vertices + shared));
+    part_fans(m, first, seen, m->vertices);
+    m->vertices += shared;
+    return BVX_OK;
+}
+
+bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *m, int borders)
 {
     uint64_t const bytes = m->triangles * 16 + m->vertices * 8;
     edge_lists lists;
@@ -113,8 +289,11 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
     lists.first = lists.next + 4 * m->triangles;
     lists.around = (uint32_t *)(void *)(lists.first + m->vertices);
 
-    status = pair_corners(ctx, function, m, &lists);
-    if (status == BVX_OK) status = check_fans(ctx, function, m, lists.first);
+    status = pair_corners(ctx, function, m, &lists, borders);
+    if (status == BVX_OK && borders == BVXI_BORDERS_REFUSED)
+        status = check_fans(ctx, function, m, lists.first);
+    if (status == BVX_OK && borders != BVXI_BORDERS_REFUSED)
+        status = close_borders(ctx, function, m, lists.first, lists.next);
     bvxi_free(ctx, lists.next, bytes);
     return status;
 }
@@ -142,21 +321,24 @@ static void pack_vertices(bvxi_corners *m, uint32_t *moved)
 
 void bvxi_corners_pack(bvxi_corners *m, uint32_t *moved)
 {
-    uint64_t kept = 0;
+    uint64_t const end = m->triangles + m->ghosts;
+    uint64_t kept = 0, ghosts = 0;
 
     pack_vertices(m, moved);
 
     /* Opposites point both ways: where a triangle moves to, its neighbours point at once. What lies ahead is
      * found there when its turn comes, what lies behind has its new place already. */
-    for (uint64_t t = 0; t < m->triangles; t++) {
+    for (uint64_t t = 0; t < end; t++) {
         bvxi_corner_triangle moving = m->triangle[t];
 
         if (moving.vertex[0] == BVXI_VERTEX_NONE) continue;
+        ghosts += t >= m->triangles;
         for (int k = 0; k < 3; k++) {
-            moving.vertex[k] = moved[moving.vertex[k]];
+            if (moving.vertex[k] != BVXI_VERTEX_GHOST) moving.vertex[k] = moved[moving.vertex[k]];
             m->triangle[moving.opposite[k] >> 2].opposite[moving.opposite[k] & 3] = (int32_t)(4 * kept) + k;
         }
         m->triangle[kept++] = moving;
     }
-    m->triangles = m->left = kept;
+    m->triangles = m->left = kept - ghosts;
+    m->ghosts = ghosts;
 }

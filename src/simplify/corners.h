@@ -1,17 +1,23 @@
-/* corners.h - a closed triangle mesh whose edges can collapse: a corner table. Not installed.
+/* corners.h - a triangle mesh whose edges can collapse: a corner table. Not installed.
  *
  * Source: Rossignac. Edgebreaker: Connectivity Compression for Triangle Meshes. 1999.
  *
  * Corner c belongs to triangle c / 4, whose corners c % 4 of 0, 1, 2 run counter-clockwise; the edge opposite
  * to c joins its two fellows. Every vertex has one fan of triangles, so all of it is reached from one corner.
  * A vertex is one line of cache, a triangle's corners lie together: collapses are bound by the memory that
- * they touch. */
+ * they touch.
+ *
+ * Borders are closed by ghosts: a triangle from each border edge to a ghost vertex that has no position. All
+ * borders share that vertex, so the link condition that keeps a closed mesh manifold keeps borders from
+ * meeting, too. Ghost triangles come after all others, and nothing but the walk from triangle to triangle
+ * knows them: they have no area and no box, and edges to the ghost never collapse. */
 #ifndef BVXI_CORNERS_H
 #define BVXI_CORNERS_H
 
-#include "core/core.h"
+#include "simplify/simplify.h"
 
 #define BVXI_VERTEX_NONE UINT32_MAX
+#define BVXI_VERTEX_GHOST (UINT32_MAX - 1)
 
 /* A position of the result's type, and the sum of squared distances about it: d'Ad + 2b'd + c at position +
  * d, in units of the mesh's size; A is xx xy xz yy yz zz. */
@@ -32,10 +38,12 @@ typedef struct bvxi_facing {
 
 typedef struct bvxi_corners {
     bvxi_corner_vertex *at;         /* [Size: vertices] */
-    bvxi_corner_triangle *triangle; /* [Size: triangles] */
-    bvxi_facing *facing;            /* [Size: vertices] */
+    bvxi_corner_triangle *triangle; /* [Size: triangles + ghosts] */
+    bvxi_facing *facing;            /* [Size: vertices] not needed to connect */
     uint64_t vertices, triangles;
-    uint64_t left; /* triangles that are not gone */
+    uint64_t ghosts; /* triangles between borders and the ghost vertex, after all others */
+    uint64_t left;   /* triangles that are not gone, without ghosts */
+    uint64_t vertex_room, triangle_room; /* of the arrays, which bvxi_corners_connect may replace */
 } bvxi_corners;
 
 static inline int32_t bvxi_corner_next(int32_t c)
@@ -68,6 +76,12 @@ static inline int bvxi_corner_gone(const bvxi_corners *m, int32_t c)
     return m->triangle[c >> 2].vertex[0] == BVXI_VERTEX_NONE;
 }
 
+/* 1 when a corner belongs to a ghost triangle. */
+static inline int bvxi_corner_is_ghost(const bvxi_corners *m, int32_t c)
+{
+    return (uint64_t)(c >> 2) >= m->triangles;
+}
+
 /* The next corner of the same vertex, counter-clockwise: across the edge to the previous corner. */
 static inline int32_t bvxi_corner_turn_left(const bvxi_corners *m, int32_t c)
 {
@@ -91,9 +105,12 @@ static inline void bvxi_area_normal(const double *a, const double *b, const doub
     n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
-/* Join the corners of a mesh whose vertices and triangles' vertices are set. Refuses with BVX_ERR_ARGUMENT
- * what is not closed, edge- and vertex-manifold and oriented. Scratch: 16 bytes a triangle and 8 a vertex. */
-bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *mesh);
+/* Join the corners of a mesh whose vertices and triangles' vertices are set; borders: BVXI_BORDERS_... Refuses
+ * with BVX_ERR_ARGUMENT what is not edge-manifold and oriented and, where borders are refused, what is not
+ * closed and vertex-manifold. Where they are not, arrays are replaced by larger ones for ghosts, and for
+ * vertices that join several fans, of which each fan gets its own. Scratch: 16 bytes a triangle and 8 a vertex;
+ * while an array is replaced, both. */
+bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *mesh, int borders);
 
 /* Close the gaps that collapses left: vertices and triangles keep their order. moved [Size: vertices before]
  * becomes the new index of each vertex, or BVXI_VERTEX_NONE. */

@@ -177,6 +177,7 @@ static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mes
 {
     size_t const vertex_bytes = made->position_type == BVX_F64 ? 24 : 12;
 
+    if (level->owned == 1) bvx_mesh_free(ctx, level);
     if (level->positions == NULL && level->triangles == NULL) {
         *level = *made;
         memset(made, 0, sizeof *made);

@@ -33,4 +33,17 @@ void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
 bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mesh_view *view,
                             uint32_t **corner);
 
+/* What was done to make sheets of triangles, and the first edge by its vertices that is in no sheet's way but
+ * cut: of three triangles or more, or between two that cannot agree. */
+typedef struct bvxi_sheets_report {
+    uint64_t doubles, turned, refused; /* triangles, triangles, edges */
+    uint32_t edge[2];
+} bvxi_sheets_report;
+
+/* sheets.c: drop triangles of a welded view that are there twice, and turn triangles so that those that share an
+ * edge with each other alone agree, where they can. corner: the view's indices. Scratch: 77 bytes a triangle and
+ * 4 a vertex. */
+bvx_status bvxi_sheets_prepare(bvx_context *ctx, bvx_mesh_view *welded, uint32_t *corner,
+                               bvxi_sheets_report *report);
+
 #endif

@@ -6,10 +6,18 @@
 
 typedef struct bvxi_collapse bvxi_collapse;
 
+/* What becomes of edges that have no two triangles running along them in opposite directions. */
+enum {
+    BVXI_BORDERS_REFUSED = 0,
+    BVXI_BORDERS_KEPT = 1, /* edges with one triangle are borders; others are refused */
+    BVXI_BORDERS_CUT = 2   /* all sides of such an edge are borders */
+};
+
 typedef struct bvxi_collapse_options {
     int32_t position_type; /* of the levels: new positions are rounded to it */
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
     int32_t lenient; /* 1: the mesh may cross itself; no triangle crosses that none crossed before */
+    int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
 } bvxi_collapse_options;
 
 /* What became of the edges that were tried. */
@@ -17,13 +25,13 @@ typedef struct bvxi_collapse_counts {
     uint64_t collapsed, link, turned, needle, crossed;
 } bvxi_collapse_counts;
 
-/* Take a checked view of a closed, manifold, oriented mesh (BVX_ERR_ARGUMENT otherwise). The order of its
+/* Take a checked view of a closed, manifold, oriented mesh, or of one with borders (BVX_ERR_ARGUMENT otherwise). The order of its
  * vertices and triangles does not matter where no two vertices are at one position. Scratch: 160 bytes a
  * triangle and 300 KB, until bvxi_collapse_close. */
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                               const bvxi_collapse_options *options, bvxi_collapse **collapse);
 /* Collapse the cheapest edges until at most target triangles are left or none can go. from, to: share of
- * progress. */
+ * progress. Far from the target of a large mesh in parallel, with about 1.3 MB of scratch a thread. */
 bvx_status bvxi_collapse_to(bvxi_collapse *collapse, uint64_t target, double from, double to);
 /* The mesh as it is now, opened as by bvxi_mesh_open. */
 bvx_status bvxi_collapse_give(bvxi_collapse *collapse, bvx_mesh *level);

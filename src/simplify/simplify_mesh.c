@@ -1,11 +1,12 @@
-/* simplify_mesh.c - levels of a mesh that is closed, manifold and oriented as it is: bvx_mesh_simplify. */
+/* simplify_mesh.c - levels of a mesh as it is, with its borders where it has some: bvx_mesh_simplify. */
 #include "mesh/view.h"
 #include "mesh/weld.h"
 #include "simplify/levels.h"
 
 static const char simplify_name[] = "bvx_mesh_simplify";
 
-static const bvx_simplify_options simplify_defaults = {.error_kind = BVX_ERROR_MEAN, .even = 1e-9};
+static const bvx_simplify_options simplify_defaults = {
+    .error_kind = BVX_ERROR_MEAN, .even = 1e-9, .open = BVX_OPEN_KEEP};
 
 void bvx_simplify_options_init(bvx_simplify_options *options, size_t size)
 {
@@ -49,9 +50,27 @@ static bvx_status check_simplify_options(bvx_context *ctx, const bvx_simplify_op
     if (o->position_type != 0 && o->position_type != BVX_F32 && o->position_type != BVX_F64)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither 0, BVX_F32 nor BVX_F64",
                          simplify_name, (int64_t)o->position_type);
-    if (o->reserved0 != 0 || (o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
+    if (o->open < BVX_OPEN_SHELL || o->open > BVX_OPEN_CUT)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: open %d is unknown", simplify_name, (int64_t)o->open);
+    if ((o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", simplify_name);
     return BVX_OK;
+}
+
+/* What is refused as it is may have doubles and flipped triangles alone: edges are cut where nothing else helps. */
+static bvx_status simplify_welded(bvx_context *ctx, bvxi_level_chain *chain, bvx_mesh_view *welded,
+                                  uint32_t *corner, int32_t open)
+{
+    bvxi_sheets_report sheets;
+    bvx_status status;
+
+    chain->collapse.borders = open == BVX_OPEN_SHELL ? BVXI_BORDERS_REFUSED : BVXI_BORDERS_KEPT;
+    status = bvxi_levels_make(ctx, chain, welded, 0.0, 1.0);
+    if (status != BVX_ERR_ARGUMENT || open == BVX_OPEN_SHELL) return status;
+
+    chain->collapse.borders = open == BVX_OPEN_CUT ? BVXI_BORDERS_CUT : BVXI_BORDERS_KEPT;
+    BVXI_TRY(bvxi_sheets_prepare(ctx, welded, corner, &sheets));
+    return bvxi_levels_make(ctx, chain, welded, 0.0, 1.0);
 }
 
 bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
@@ -89,7 +108,7 @@ bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
 
     BVXI_TRY(bvxi_view_bounds(context, simplify_name, mesh, low, high));
     status = bvxi_welded_view(context, mesh, &welded, &corner);
-    if (status == BVX_OK) status = bvxi_levels_make(context, &chain, &welded, 0.0, 1.0);
+    if (status == BVX_OK) status = simplify_welded(context, &chain, &welded, corner, o.open);
     bvxi_free(context, corner, mesh->triangle_count * 12);
     return status;
 }

@@ -1,9 +1,11 @@
 /* star.c - may an edge collapse to a point? The link, the sides of triangles, needles, crossings.
  *
+ * Ghost triangles, which close borders, count for the link alone.
  * No new triangle may meet another one in more than what they share. Three kinds of pairs:
  * - Triangles around one vertex cannot meet elsewhere when all of them face one way and go around it once:
  * seen along the sum of their normals they lie side by side. This is asked of the new vertex and of every
  * vertex of the link. A fan of which it does not hold, as at a sharp corner, has its pairs tested one by one.
+ * The fan of a vertex on a border goes around it less than once.
  * - Triangles without a common vertex are found by their boxes, and parted by a plane: along a facet's
  * normal, through an edge, or along two edges. A pair that no plane parts by more than rounding can move is
  * decided exactly. Guarantee: a mesh without crossing triangles has none after a collapse that is judged
@@ -45,7 +47,13 @@ static void subtract(const double *a, const double *b, double c[3])
 
 static double magnitude(double x)
 {
-    return x < 0 ? -x : x;
+    return bvxi_absolute(x);
+}
+
+/* The sum of the sizes of all three. */
+static double size_of(const double a[3])
+{
+    return magnitude(a[0]) + magnitude(a[1]) + magnitude(a[2]);
 }
 
 /* ---- The link ---- */
@@ -72,6 +80,7 @@ int bvxi_star_gather(const bvxi_corners *m, int32_t edge, bvxi_star *star)
     star->u = bvxi_corner_vertex_of(m, bvxi_corner_next(edge));
     star->v = bvxi_corner_vertex_of(m, bvxi_corner_previous(edge));
     star->count = 0;
+    star->ghost = -1;
 
     /* Counter-clockwise around u from the apex of the edge's triangle to that across, then around v back
      * again. */
@@ -81,11 +90,20 @@ int bvxi_star_gather(const bvxi_corners *m, int32_t edge, bvxi_star *star)
     if (star->count < 3) return 0;
     star->link[star->count] = star->link[0];
 
-    /* A vertex that is there twice is a neighbour of both ends beside the two that they may share. */
+    /* A vertex that is there twice is a neighbour of both ends beside the two that they may share; the ghost
+     * is when both ends are on borders and the edge is not. */
+    for (int32_t i = 0; i < star->count && m->ghosts != 0; i++)
+        if (star->link[i] == BVXI_VERTEX_GHOST) star->ghost = i;
     for (int32_t i = 1; i < star->count; i++)
         for (int32_t j = 0; j < i; j++)
             if (star->link[i] == star->link[j]) return 0;
     return 1;
+}
+
+/* 1 when new triangle i is a ghost. */
+static int is_ghost(const bvxi_star *star, int32_t i)
+{
+    return star->ghost >= 0 && (i == star->ghost || (i + 1) % star->count == star->ghost);
 }
 
 /* ---- Sides and needles ---- */
@@ -105,12 +123,14 @@ static double shape_of(const double normal[3], const double *a, const double *b,
 static int judge_shapes(const bvxi_corners *m, bvxi_star *star)
 {
     for (int32_t i = 0; i < star->count; i++) {
-        const double *const a = bvxi_corner_position(m, star->link[i]), *const b = bvxi_corner_position(
-                                                                            m, star->link[i + 1]);
-        const double *const apex = bvxi_corner_position(m, bvxi_corner_vertex_of(m, star->corner[i]));
+        const double *a, *b, *apex;
         double *const n = star->normal[i];
         double before[3], cosine, shape;
 
+        if (is_ghost(star, i)) continue;
+        a = bvxi_corner_position(m, star->link[i]);
+        b = bvxi_corner_position(m, star->link[i + 1]);
+        apex = bvxi_corner_position(m, bvxi_corner_vertex_of(m, star->corner[i]));
         bvxi_area_normal(star->p, a, b, n);
         bvxi_area_normal(apex, a, b, before);
         if (!(dot(n, n) > 0)) return BVXI_STAR_NEEDLE;
@@ -147,40 +167,57 @@ static int no_facing(bvxi_facing *facing)
     return 0;
 }
 
-/* All face one way, and go around the apex once: then no two of them meet beside their common edges. facing
- * becomes that way, or 0. */
-static int fan_is_graph(const bvxi_fan *f, const double *apex, bvxi_facing *facing)
+/* Which triangles of a gathered fan: count of them from the first on, and after the last one of the cycle from
+ * its first. */
+typedef struct fan_range {
+    int32_t first, count, cycle;
+} fan_range;
+
+static int32_t fan_index(const fan_range *r, int32_t i)
+{
+    int32_t const at = r->first + i;
+
+    return at < r->cycle ? at : at - r->cycle;
+}
+
+/* All face one way, and go around the apex once, or less where they begin and end at a border: then no two of
+ * them meet beside their common edges. facing becomes that way, or 0. */
+static int fan_is_graph(const bvxi_fan *f, const fan_range *r, const double *apex, bvxi_facing *facing)
 {
     double sum[3] = {0, 0, 0}, first[3], left[3], sum_square, left_square;
     int changes = 0, side_before = 1;
 
-    for (int32_t i = 0; i < f->count; i++)
-        for (int k = 0; k < 3; k++) sum[k] += f->normal[i][k];
+    for (int32_t i = 0; i < r->count; i++)
+        for (int k = 0; k < 3; k++) sum[k] += f->normal[fan_index(r, i)][k];
     face_along(sum, facing);
     for (int k = 0; k < 3; k++) sum[k] = (double)facing->along[k];
     sum_square = dot(sum, sum);
-    for (int32_t i = 0; i < f->count; i++) {
-        double const along = dot(f->normal[i], sum);
-        if (!(along > 0 &&
-              along * along > FAN_COSINE * FAN_COSINE * sum_square * dot(f->normal[i], f->normal[i])))
+    for (int32_t i = 0; i < r->count; i++) {
+        const double *const normal = f->normal[fan_index(r, i)];
+        double const along = dot(normal, sum);
+        if (!(along > 0 && along * along > FAN_COSINE * FAN_COSINE * sum_square * dot(normal, normal)))
             return no_facing(facing);
     }
 
     /* Seen along the sum each triangle turns left by less than half a turn. A fan that goes around once is
      * first to the left of its first edge, then to the right: one change. What lies on that line within
-     * rounding tells nothing. */
-    subtract(f->around[0], apex, first);
+     * rounding tells nothing. One that ends at a border may end anywhere before it comes to its first edge. */
+    subtract(f->around[fan_index(r, 0)], apex, first);
     cross(sum, first, left);
     left_square = dot(left, left);
-    for (int32_t i = 1; i < f->count; i++) {
+    for (int32_t i = 1; i < r->count + f->open; i++) {
         double way[3], side;
 
-        subtract(f->around[i], apex, way);
+        subtract(f->around[fan_index(r, i)], apex, way);
         side = dot(way, left);
-        if (side * side < FAN_SINE * FAN_SINE * dot(way, way) * left_square) continue;
+        if (side * side < FAN_SINE * FAN_SINE * dot(way, way) * left_square) {
+            if (f->open && dot(way, first) > 0) return no_facing(facing);
+            continue;
+        }
         changes += (side > 0) != side_before;
         side_before = side > 0;
     }
+    if (f->open) return changes <= 1 ? 1 : no_facing(facing);
     return changes == 1 && !side_before ? 1 : no_facing(facing);
 }
 
@@ -188,6 +225,12 @@ static int has_vertex(const bvxi_corners *m, int32_t t, uint32_t v)
 {
     const uint32_t *const c = m->triangle[t].vertex;
     return (c[0] == v) | (c[1] == v) | (c[2] == v);
+}
+
+/* Where a vertex is, NULL for the ghost. */
+static const double *position_or_ghost(const bvxi_corners *m, uint32_t vertex)
+{
+    return vertex == BVXI_VERTEX_GHOST ? NULL : bvxi_corner_position(m, vertex);
 }
 
 /* The fan of link[i] after the collapse: the new triangles i and i - 1, then those that stay. 0: none stays,
@@ -200,25 +243,49 @@ static int gather_link_fan(const bvxi_corners *m, const bvxi_star *star, int32_t
 
     memcpy(f->normal[0], star->normal[i], sizeof f->normal[0]);
     memcpy(f->normal[1], star->normal[before], sizeof f->normal[1]);
-    f->around[0] = bvxi_corner_position(m, star->link[i + 1]);
+    f->around[0] = position_or_ghost(m, star->link[i + 1]);
     f->around[1] = star->p;
-    f->around[2] = bvxi_corner_position(m, star->link[before]);
+    f->around[2] = position_or_ghost(m, star->link[before]);
     f->count = 2;
+    f->open = f->around[0] == NULL || f->around[2] == NULL;
 
     for (c = bvxi_corner_turn_left(m, c); !has_vertex(m, c >> 2, star->u) && !has_vertex(m, c >> 2, star->v);
          c = bvxi_corner_turn_left(m, c)) {
+        const double *const from = f->around[f->count], *const to = position_or_ghost(
+                                                            m, bvxi_corner_vertex_of(m, bvxi_corner_previous(c)));
+
         if (f->count == BVXI_STAR_MOST + 2) return 0;
-        f->around[f->count + 1] = bvxi_corner_position(m, bvxi_corner_vertex_of(m, bvxi_corner_previous(c)));
-        bvxi_area_normal(apex, f->around[f->count], f->around[f->count + 1], f->normal[f->count]);
+        f->around[f->count + 1] = to;
+        if (from != NULL && to != NULL)
+            bvxi_area_normal(apex, from, to, f->normal[f->count]);
+        else
+            f->open = 1;
         f->triangle[f->count++] = c >> 2;
     }
     return f->count > 2;
 }
 
-static int old_triangle_crosses(const bvxi_corners *m, const uint32_t *corners, const double *const q[3])
+static int link_fan_is_graph(const bvxi_corners *m, bvxi_star *star, int32_t i)
 {
-    const double *const p[3] = {bvxi_corner_position(m, corners[0]), bvxi_corner_position(m, corners[1]),
-                                bvxi_corner_position(m, corners[2])};
+    const bvxi_fan *const f = &star->fan;
+    fan_range r = {0, f->count, f->count};
+
+    /* Around a border from the triangle after the ghosts to the one before them. */
+    if (f->open) {
+        while (f->around[r.first] != NULL) r.first++;
+        r.first++;
+        r.count -= 2;
+    }
+    return fan_is_graph(f, &r, bvxi_corner_position(m, star->link[i]), &star->facing[i]);
+}
+
+static int old_triangle_crosses(const bvxi_corners *m, int32_t corner, const double *const q[3])
+{
+    const uint32_t *const v = m->triangle[corner >> 2].vertex;
+    const double *p[3];
+
+    if (bvxi_corner_is_ghost(m, corner)) return 0;
+    for (int k = 0; k < 3; k++) p[k] = bvxi_corner_position(m, v[k]);
     return bvxi_triangles_cross(p, q);
 }
 
@@ -230,20 +297,19 @@ static int crosses_anyway(const bvxi_corners *m, const bvxi_star *star, const do
 
     if (!star->lenient) return 0;
     for (int32_t i = 0; i < star->count; i++)
-        if (old_triangle_crosses(m, m->triangle[star->corner[i] >> 2].vertex, q)) return 1;
-    return old_triangle_crosses(m, m->triangle[star->edge >> 2].vertex, q) ||
-           old_triangle_crosses(m, m->triangle[across >> 2].vertex, q);
+        if (old_triangle_crosses(m, star->corner[i], q)) return 1;
+    return old_triangle_crosses(m, star->edge, q) || old_triangle_crosses(m, across, q);
 }
 
 /* Triangle i of the new star against one that stays and has a vertex of it: exact. */
 static int new_triangle_crosses(const bvxi_corners *m, const bvxi_star *star, int32_t i, int32_t triangle)
 {
     const uint32_t *const c = m->triangle[triangle].vertex;
-    const double *const p[3] = {star->p, bvxi_corner_position(m, star->link[i]),
-                                bvxi_corner_position(m, star->link[i + 1])};
-    const double *const q[3] = {bvxi_corner_position(m, c[0]), bvxi_corner_position(m, c[1]),
-                                bvxi_corner_position(m, c[2])};
+    const double *p[3] = {star->p, NULL, NULL}, *q[3];
 
+    if (is_ghost(star, i) || bvxi_corner_is_ghost(m, 4 * triangle)) return 0;
+    for (int k = 0; k < 2; k++) p[k + 1] = bvxi_corner_position(m, star->link[i + k]);
+    for (int k = 0; k < 3; k++) q[k] = bvxi_corner_position(m, c[k]);
     return bvxi_triangles_cross(p, q) && !crosses_anyway(m, star, q);
 }
 
@@ -266,11 +332,15 @@ static int judge_link_fans(const bvxi_corners *m, bvxi_star *star)
     for (int32_t i = 0; i < star->count; i++) {
         int32_t const before = i == 0 ? star->count - 1 : i - 1;
 
+        if (i == star->ghost) continue;
         star->facing[i] = m->facing[star->link[i]];
-        if (faces_with_link(star, i, before, &star->facing[i])) continue;
+        if (!is_ghost(star, i) && !is_ghost(star, before) &&
+            faces_with_link(star, i, before, &star->facing[i]))
+            continue;
 
+        /* Beside the ghost a new triangle fills no gap, but ends a fan. */
         if (!gather_link_fan(m, star, i, f)) return BVXI_STAR_LINK;
-        if (fan_is_graph(f, bvxi_corner_position(m, star->link[i]), &star->facing[i])) continue;
+        if (link_fan_is_graph(m, star, i)) continue;
 
         for (int32_t k = 2; k < f->count; k++)
             if (new_triangle_crosses(m, star, i, f->triangle[k]) ||
@@ -284,13 +354,20 @@ static int judge_link_fans(const bvxi_corners *m, bvxi_star *star)
 static int judge_new_fan(const bvxi_corners *m, bvxi_star *star)
 {
     bvxi_fan *const f = &star->fan;
+    int32_t const start = star->ghost + 1; /* 0 where there is no ghost */
+    fan_range r = {0, 0, INT32_MAX};
 
-    f->count = star->count;
-    memcpy(f->normal, star->normal, (size_t)star->count * sizeof f->normal[0]);
-    for (int32_t i = 0; i <= star->count; i++) f->around[i] = bvxi_corner_position(m, star->link[i]);
-    if (fan_is_graph(f, star->p, &star->own_facing)) return BVXI_STAR_SAFE;
+    f->open = star->ghost >= 0;
+    r.count = f->count = star->count - 2 * f->open;
+    for (int32_t i = 0; i <= f->count; i++) {
+        int32_t const from = start + i < star->count ? start + i : start + i - star->count;
 
-    for (int32_t i = 1; i < star->count; i++)
+        if (i < f->count) memcpy(f->normal[i], star->normal[from], sizeof f->normal[i]);
+        f->around[i] = bvxi_corner_position(m, star->link[from]);
+    }
+    if (fan_is_graph(f, &r, star->p, &star->own_facing)) return BVXI_STAR_SAFE;
+
+    for (int32_t i = 1; i < f->count; i++)
         for (int32_t j = 0; j < i; j++) {
             const double *const a[3] = {star->p, f->around[i], f->around[i + 1]};
             const double *const b[3] = {star->p, f->around[j], f->around[j + 1]};
@@ -376,21 +453,57 @@ static int triangles_are_apart(const double *const p[3], const double *const q[3
            edges_part((const double(*)[3])t, (const double(*)[3])s, size);
 }
 
-/* The new triangles' boxes, eight to a node; returns the box of all. */
+/* The new triangles' boxes, also eight to a node; returns the box of all. Rounding keeps order, so corners
+ * are rounded once for all of their triangles. */
 static bvxi_box gather_boxes(const bvxi_corners *m, const bvxi_box_tree *tree, bvxi_star *star)
 {
-    bvxi_box all = bvxi_box_none();
-    bvxi_box const none = all;
+    bvxi_box const apex = bvxi_box_at(tree, star->p);
+    bvxi_box const none = bvxi_box_none();
+    bvxi_box all = apex, from = none;
 
+    if (star->link[0] != BVXI_VERTEX_GHOST) from = bvxi_box_at(tree, bvxi_corner_position(m, star->link[0]));
     for (int32_t i = 0; i < star->count; i++) {
-        star->box[i] = bvxi_box_of(tree, star->p, bvxi_corner_position(m, star->link[i]),
-                                   bvxi_corner_position(m, star->link[i + 1]));
+        bvxi_box to = none;
+
+        if (star->link[i + 1] != BVXI_VERTEX_GHOST) to = bvxi_box_at(tree, bvxi_corner_position(m, star->link[i + 1]));
+        star->box[i] = none;
+        if (!is_ghost(star, i)) {
+            star->box[i] = apex;
+            bvxi_box_join(&star->box[i], &from);
+            bvxi_box_join(&star->box[i], &to);
+        }
+        bvxi_box_join(&all, &to);
         bvxi_box_put(&star->node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH, &star->box[i]);
-        bvxi_box_join(&all, &star->box[i]);
+        from = to;
     }
     for (int32_t i = star->count; i % BVXI_BOX_WIDTH != 0; i++)
         bvxi_box_put(&star->node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH, &none);
     return all;
+}
+
+/* Bit k: link vertex first + k is one of a triangle's three; first is a multiple of four. */
+static uint32_t common_vertices(const bvxi_star *star, int32_t first, const uint32_t *c)
+{
+#if defined(__SSE2__) && defined(__GNUC__)
+    uint32_t bits = 0;
+
+    for (int k = 0; k <= BVXI_BOX_WIDTH; k += 4) {
+        __m128i const link = _mm_loadu_si128((const __m128i *)(const void *)&star->link[first + k]);
+        __m128i const same = _mm_or_si128(_mm_or_si128(_mm_cmpeq_epi32(link, _mm_set1_epi32((int)c[0])),
+                                                       _mm_cmpeq_epi32(link, _mm_set1_epi32((int)c[1]))),
+                                          _mm_cmpeq_epi32(link, _mm_set1_epi32((int)c[2])));
+        bits |= (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(same)) << k;
+    }
+    return bits;
+#else
+    uint32_t bits = 0;
+
+    for (int k = 0; k <= BVXI_BOX_WIDTH; k++) {
+        uint32_t const v = star->link[first + k];
+        bits |= (uint32_t)((c[0] == v) | (c[1] == v) | (c[2] == v)) << k;
+    }
+    return bits;
+#endif
 }
 
 static int new_triangle_meets(const bvxi_corners *m, const bvxi_star *star, int32_t i,
@@ -402,54 +515,99 @@ static int new_triangle_meets(const bvxi_corners *m, const bvxi_star *star, int3
     return !triangles_are_apart(p, q) && bvxi_triangles_cross(p, q) && !crosses_anyway(m, star, q);
 }
 
-/* 1 when a triangle's corners are all beyond the outer edge of new triangle i, or all on one side of its
- * plane, for certain: so it is with most that are near a star. */
-static int is_beyond(const bvxi_corners *m, const bvxi_star *star, int32_t i, const double *const q[3])
+/* The planes that part most of what is near. */
+static void gather_star_planes(const bvxi_corners *m, bvxi_star *star)
 {
-    const double *const a = bvxi_corner_position(m, star->link[i]), *const b = bvxi_corner_position(
-                                                                        m, star->link[i + 1]);
-    const double *const n = star->normal[i];
-    double const n_size = magnitude(n[0]) + magnitude(n[1]) + magnitude(n[2]);
-    double edge[3], out[3], out_size;
-    int beyond = 1, above = 1, below = 1;
+    star->reach = 0;
+    for (int32_t i = 0; i < star->count; i++) {
+        bvxi_star_planes *const planes = &star->planes[i];
+        double a[3], edge[3], size, limit;
 
-    subtract(b, a, edge);
-    cross(edge, n, out);
-    out_size = magnitude(out[0]) + magnitude(out[1]) + magnitude(out[2]);
-    for (int k = 0; k < 3; k++) {
-        double way[3], size, side;
+        if (i == star->ghost) continue;
+        subtract(bvxi_corner_position(m, star->link[i]), star->p, a);
+        size = size_of(a);
+        if (size > star->reach) star->reach = size;
+        if (is_ghost(star, i)) continue;
+        subtract(bvxi_corner_position(m, star->link[i + 1]), bvxi_corner_position(m, star->link[i]), edge);
 
-        subtract(q[k], a, way);
-        size = APART_MARGIN * (magnitude(way[0]) + magnitude(way[1]) + magnitude(way[2]));
-        /* The edge's other end, and the new vertex, may lie beyond the line by rounding alone: much less than
-         * the margin. */
-        beyond &=
-            dot(out, way) >
-            out_size * (size + APART_MARGIN * (magnitude(edge[0]) + magnitude(edge[1]) + magnitude(edge[2])));
-        side = dot(n, way);
-        above &= side > n_size * size;
-        below &= side < -n_size * size;
+        memcpy(planes->normal, star->normal[i], sizeof planes->normal);
+        cross(edge, planes->normal, planes->out);
+        planes->normal_size = size_of(planes->normal);
+        planes->out_size = size_of(planes->out);
+        limit = dot(planes->out, a);
+        planes->limit = limit > 0 ? limit : 0;
     }
-    return beyond | above | below;
 }
 
-/* A triangle that stays, found by the star's box, against the new ones that it shares no vertex with. */
-static int meets_new_triangles(const bvxi_corners *m, const bvxi_star *star, int32_t triangle,
-                               const bvxi_box *box)
+/* 1 when the corners of a triangle, seen from the new vertex and no further from it than reach, are all
+ * beyond the outer edge of new triangle i, or all on one side of its plane, for certain: so it is with most
+ * that are near a star. The new triangle's corners may be beyond these planes by rounding: a dozen roundings
+ * of the star's size, and the margin is hundreds of the larger size. */
+static int is_beyond(const bvxi_star *star, int32_t i, double q[3][3], double reach)
+{
+    const bvxi_star_planes *const planes = &star->planes[i];
+    double const away = planes->limit + APART_MARGIN * planes->out_size * reach;
+    double const off = APART_MARGIN * planes->normal_size * reach;
+    double side[3];
+
+    if ((int)(dot(planes->out, q[0]) > away) & (int)(dot(planes->out, q[1]) > away) &
+        (int)(dot(planes->out, q[2]) > away))
+        return 1;
+    for (int k = 0; k < 3; k++) side[k] = dot(planes->normal, q[k]);
+    return ((side[0] > off) & (side[1] > off) & (side[2] > off)) |
+           ((side[0] < -off) & (side[1] < -off) & (side[2] < -off));
+}
+
+/* The corners of a triangle as seen from the new vertex; returns a size that neither they nor the star
+ * exceed. */
+static double see_corners(const bvxi_star *star, const double *const p[3], double q[3][3])
+{
+    double reach = star->reach;
+
+    for (int k = 0; k < 3; k++) {
+        double size;
+
+        subtract(p[k], star->p, q[k]);
+        size = size_of(q[k]);
+        if (size > reach) reach = size;
+    }
+    return reach;
+}
+
+/* A triangle that stays against some of the new ones first .. first + 7, a bit each. */
+static int meets_eight(const bvxi_corners *m, const bvxi_star *star, int32_t first, uint32_t bits,
+                       const uint32_t *c)
+{
+    const double *const p[3] = {bvxi_corner_position(m, c[0]), bvxi_corner_position(m, c[1]),
+                                bvxi_corner_position(m, c[2])};
+    double q[3][3];
+    double const reach = see_corners(star, p, q);
+
+    for (; bits != 0; bits &= bits - 1) {
+        int32_t const i = first + bvxi_lowest(bits);
+
+        if (!is_beyond(star, i, q, reach) && new_triangle_meets(m, star, i, p)) return 1;
+    }
+    return 0;
+}
+
+/* A triangle that stays, found by the star's box, against the new ones that it shares no vertex with and
+ * whose boxes overlap its own. Most are found since they share one. */
+static int meets_new_triangles(const bvxi_corners *m, const bvxi_star *star, const bvxi_box_tree *tree,
+                               int32_t triangle)
 {
     const uint32_t *const c = m->triangle[triangle].vertex;
-    const double *const q[3] = {bvxi_corner_position(m, c[0]), bvxi_corner_position(m, c[1]),
-                                bvxi_corner_position(m, c[2])};
-    bvxi_box_query const query = bvxi_box_ask(box);
+    bvxi_box_query const query =
+        bvxi_box_ask_child(&tree->node[0][(uint32_t)triangle / BVXI_BOX_WIDTH],
+                           triangle & (BVXI_BOX_WIDTH - 1));
 
-    for (int32_t first = 0; first < star->count; first += BVXI_BOX_WIDTH)
-        for (uint32_t bits = bvxi_box_overlaps(&star->node[first / BVXI_BOX_WIDTH], &query); bits != 0;
-             bits &= bits - 1) {
-            int32_t const i = first + bvxi_lowest(bits);
+    for (int32_t first = 0; first < star->count; first += BVXI_BOX_WIDTH) {
+        uint32_t const common = common_vertices(star, first, c);
+        uint32_t const bits =
+            bvxi_box_overlaps(&star->node[first / BVXI_BOX_WIDTH], &query) & ~(common | common >> 1);
 
-            if (has_vertex(m, triangle, star->link[i]) | has_vertex(m, triangle, star->link[i + 1])) continue;
-            if (!is_beyond(m, star, i, q) && new_triangle_meets(m, star, i, q)) return 1;
-        }
+        if (bits != 0 && meets_eight(m, star, first, bits, c)) return 1;
+    }
     return 0;
 }
 
@@ -457,16 +615,16 @@ static int meets_new_triangles(const bvxi_corners *m, const bvxi_star *star, int
 typedef struct found_triangles {
     int32_t count;
     int32_t triangle[BVXI_STAR_MOST];
-    bvxi_box box[BVXI_STAR_MOST];
 } found_triangles;
 
-static int meets_found(const bvxi_corners *m, const bvxi_star *star, found_triangles *found)
+static int meets_found(const bvxi_corners *m, const bvxi_star *star, const bvxi_box_tree *tree,
+                       found_triangles *found)
 {
     for (int32_t i = 0; i < found->count; i++) {
         int32_t const t = found->triangle[i];
 
         if (has_vertex(m, t, star->u) | has_vertex(m, t, star->v)) continue;
-        if (meets_new_triangles(m, star, t, &found->box[i])) return 1;
+        if (meets_new_triangles(m, star, tree, t)) return 1;
     }
     found->count = 0;
     return 0;
@@ -480,6 +638,8 @@ static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bv
     found_triangles found;
     int32_t depth = 0;
 
+    gather_star_planes(m, star);
+
     /* What is looked at next is asked of memory before it is needed: waiting for it is most of the time. */
     found.count = 0;
     stack[depth++] = (uint64_t)(tree->levels - 1);
@@ -488,7 +648,7 @@ static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bv
         int32_t const level = (int32_t)(top & 15);
         const bvxi_box_node *const node = &tree->node[level][index];
 
-        if (found.count > BVXI_STAR_MOST - BVXI_BOX_WIDTH && meets_found(m, star, &found))
+        if (found.count > BVXI_STAR_MOST - BVXI_BOX_WIDTH && meets_found(m, star, tree, &found))
             return BVXI_STAR_CROSSES;
         for (uint32_t bits = bvxi_box_overlaps(node, &query); bits != 0; bits &= bits - 1) {
             int32_t const k = bvxi_lowest(bits);
@@ -500,12 +660,11 @@ static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bv
                 stack[depth++] = child << 4 | (uint64_t)(level - 1);
             } else {
                 BVXI_PREFETCH(&m->triangle[child]);
-                found.triangle[found.count] = (int32_t)child;
-                found.box[found.count++] = bvxi_box_child(node, k);
+                found.triangle[found.count++] = (int32_t)child;
             }
         }
     }
-    return meets_found(m, star, &found) ? BVXI_STAR_CROSSES : BVXI_STAR_SAFE;
+    return meets_found(m, star, tree, &found) ? BVXI_STAR_CROSSES : BVXI_STAR_SAFE;
 }
 
 int bvxi_star_judge(const bvxi_corners *m, const bvxi_box_tree *boxes, bvxi_star *star)

@@ -44,6 +44,7 @@ static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge
         bvxi_view_position(mesh, corner[k], f->corners[end][k]);
         for (int32_t a = 0; a < 3; a++) f->corners[end][k][a] = (f->corners[end][k][a] - centre[a]) * scale;
     }
+    bvxi_order_corners(f->corners[end]);
     f->size[end] = bvxi_facet_normal((const double(*)[3])f->corners[end], f->normal[end]);
     if (f->size[end] - f->size[end] != 0.0) f->size[end] = 0.0;
 }

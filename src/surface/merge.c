@@ -148,8 +148,8 @@ bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (parts == NULL || whole == NULL) return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
     if (part_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: there are no parts", merge_name);
-    if (whole->positions != NULL || whole->triangles != NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: whole must be empty", merge_name);
+    if (whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: whole must be empty or the library's own", merge_name);
     w.parts = parts;
     w.part_count = part_count;
     BVXI_TRY(check_parts(context, &w));
@@ -162,6 +162,9 @@ bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t 
     bvxi_free(context, w.renumber, w.vertices * 4);
     bvxi_free(context, w.order, w.entries * 4);
     bvxi_free(context, w.keys, w.entries * 8);
-    if (status == BVX_OK) *whole = made;
-    return status;
+    if (status != BVX_OK) return status;
+
+    bvx_mesh_free(context, whole);
+    *whole = made;
+    return BVX_OK;
 }

@@ -149,6 +149,7 @@ static bvx_status give_fill(bvx_context *ctx, const fills_work *w, const bvx_gri
     if (wanted == NULL) return BVX_OK;
     memcpy(window.low, from->low, sizeof window.low);
     memcpy(window.size, from->size, sizeof window.size);
+    bvxi_grid_renew(ctx, &from->lattice, &window, wanted);
     *made = *wanted;
     BVXI_TRY(bvxi_grid_open(ctx, fills_name, &from->lattice, &window, made));
     copy_fill(w, from, made);

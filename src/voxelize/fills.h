@@ -43,6 +43,11 @@ bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *gri
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job, const bvx_voxelize_options *options,
                       bvx_grid *solid, bvx_solid_report *report);
 
+/* voxelize_surface.c: set in lost, a grid of solid's window whose words may hold anything, the thin voxels of crossings that solid
+ * does not show: a line of centres crosses the mesh between two neighbours, and neither is in solid. So each is in no piece of
+ * solid, but for parts narrower than a voxel along the line and sheets. Exact; any threads. Scratch: as bvx_voxelize_surface. */
+bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *lost);
+
 /* shell.c: the conservative surface of a mesh over the window of solid, in scratch words, and how many voxels it has. */
 bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *shell, uint64_t *voxels);
 void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell);

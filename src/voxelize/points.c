@@ -154,6 +154,7 @@ bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points
     if (work.view.vertex_count == 0) return bvxi_fail(context, BVX_ERR_EMPTY, "%s: there are no points", points_name);
     BVXI_TRY(check_points_options(context, lattice, &o, &window));
     BVXI_TRY(bvxi_snap_scale(context, points_name, lattice, work.scale));
+    bvxi_grid_renew(context, lattice, &window, grid);
     made = *grid;
     BVXI_TRY(bvxi_grid_open(context, points_name, lattice, &window, &made));
     work.grid = &made;

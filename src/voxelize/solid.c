@@ -14,15 +14,20 @@ enum { CHUNK_GRAIN = 4096 };
 
 /* ---- rounds ---- */
 
-static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code, int mode)
+/* sum: of the steps of crossings (BVXI_TOGGLE_SUMMED), else it is left alone. */
+static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code, int mode, uint64_t *sum)
 {
     int32_t const j = (int32_t)(at & 0xffff), k = (int32_t)(at >> 16);
     uint64_t const row = bvxi_block_row(job, j, k);
-    if (mode == BVXI_TOGGLE) {
+    if (mode == BVXI_TOGGLE || mode == BVXI_TOGGLE_SUMMED) {
         int32_t const x = bvxi_floor_shift(code, 1) - job->grid->low[0];
         if (x < job->grid->size[0]) {
             int32_t const bit = x < 0 ? 0 : x;
             bvxi_block_words(job, j, k)[bit >> 6] ^= UINT64_C(1) << (bit & 63);
+            if (mode == BVXI_TOGGLE_SUMMED) {
+                uint64_t const step = bvxi_step_sum(bvxi_window_row(job, j, k), bit);
+                *sum += (code & 1) != 0 ? 0 - step : step;
+            }
         } else {
             job->beyond[row] ^= 1;
         }
@@ -39,34 +44,39 @@ static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code,
 typedef struct tile_sink {
     bvxi_solid_job *job;
     int32_t tile;
+    uint64_t sum;
 } tile_sink;
 
 static void take_large(void *user, uint32_t row, int32_t code)
 {
     tile_sink *const sink = user;
-    if (sink->job->mode == BVXI_TOGGLE || sink->job->mode == BVXI_HIGHEST) sink->job->crossings[sink->tile]++;
-    take_crossing(sink->job, row, code, sink->job->mode);
+    if (sink->job->mode != BVXI_COUNT_LIST && sink->job->mode != BVXI_FILL_LIST) sink->job->crossings[sink->tile]++;
+    take_crossing(sink->job, row, code, sink->job->mode, &sink->sum);
 }
 
 static void take_tile(void *user, int32_t tile, int32_t worker)
 {
     bvxi_solid_job *const job = user;
     bvxi_rows const rows = bvxi_tiles_rows(&job->tiles, tile);
-    tile_sink sink = {job, tile};
+    tile_sink sink = {job, tile, 0};
     (void)worker;
     for (int32_t c = 0; c < job->chunks; c++) {
         const bvxi_chunk *const chunk = job->chunk + c;
         uint32_t const begin = chunk->tile_end[tile], end = chunk->tile_end[tile + 1];
         const bvxi_crossing *const x = chunk->sorted;
         if (job->mode == BVXI_TOGGLE) {
-            for (uint32_t i = begin; i < end; i++) take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE);
+            for (uint32_t i = begin; i < end; i++) take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE, &sink.sum);
+            job->crossings[tile] += end - begin;
+        } else if (job->mode == BVXI_TOGGLE_SUMMED) {
+            for (uint32_t i = begin; i < end; i++) take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE_SUMMED, &sink.sum);
             job->crossings[tile] += end - begin;
         } else {
-            for (uint32_t i = begin; i < end; i++) take_crossing(job, x[i].row, x[i].code, job->mode);
+            for (uint32_t i = begin; i < end; i++) take_crossing(job, x[i].row, x[i].code, job->mode, &sink.sum);
             if (job->mode == BVXI_HIGHEST) job->crossings[tile] += end - begin;
         }
         for (uint32_t i = 0; i < chunk->large_count; i++) bvxi_cover_spans(job, rows, chunk->large[i], take_large, &sink);
     }
+    job->tile_sums[tile][0] += sink.sum;
 }
 
 bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to)
@@ -119,6 +129,23 @@ static uint32_t close_row(uint64_t *words, int32_t n)
     return (uint32_t)(carry & 1);
 }
 
+/* The same, adding the steps of the row's runs to *sum: up where one begins, down where it ends. */
+static uint32_t close_row_summed(uint64_t *words, int32_t n, uint64_t row, uint64_t *sum)
+{
+    uint64_t carry = 0;
+    for (int32_t k = 0; k < n; k++) {
+        uint64_t const w = words[k];
+        words[k] = w == 0 ? carry : bvxi_prefix_parity(w) ^ carry;
+        for (uint64_t left = w; left != 0; left &= left - 1) {
+            int32_t const bit = bvxi_lowest(left);
+            uint64_t const step = bvxi_step_sum(row, k * BVXI_WORD_BITS + bit);
+            *sum += (words[k] >> bit & 1) != 0 ? step : 0 - step;
+        }
+        carry = 0 - (words[k] >> 63);
+    }
+    return (uint32_t)(carry & 1);
+}
+
 static void clear_tile(void *user, int32_t tile, int32_t worker)
 {
     bvxi_solid_job *const job = user;
@@ -134,25 +161,28 @@ static void close_tile(void *user, int32_t tile, int32_t worker)
     const bvx_grid *const g = job->grid;
     bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
+    uint64_t sum = 0;
     (void)worker;
     for (int32_t k = r.k0; k < r.k1; k++) {
         for (int32_t j = r.j0; j < r.j1; j++) {
             uint64_t *const words = bvxi_block_words(job, j, k);
             uint64_t const row = bvxi_block_row(job, j, k);
-            uint32_t const odd = close_row(words, g->words_per_row) ^ job->beyond[row];
+            uint32_t const odd = (job->summed ? close_row_summed(words, g->words_per_row, bvxi_window_row(job, j, k), &sum)
+                                              : close_row(words, g->words_per_row)) ^ job->beyond[row];
             words[g->words_per_row - 1] &= tail;
             job->beyond[row] = (uint8_t)odd; /* from here on: rows that do not balance */
             if (job->odd_rows != NULL) job->odd_rows[bvxi_window_row(job, j, k)] = (uint8_t)odd;
             job->unbalanced[tile] += odd;
         }
     }
+    job->tile_sums[tile][1] = sum;
 }
 
 static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 {
     uint64_t unbalanced = 0;
     BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.1), bvxi_solid_progress(job, 0.15), job->tiles.count, clear_tile, job));
-    BVXI_TRY(bvxi_solid_rounds(ctx, job, BVXI_TOGGLE, 0.15, 0.4));
+    BVXI_TRY(bvxi_solid_rounds(ctx, job, job->summed ? BVXI_TOGGLE_SUMMED : BVXI_TOGGLE, 0.15, 0.4));
     BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.4), bvxi_solid_progress(job, 0.5), job->tiles.count, close_tile, job));
     for (int32_t t = 0; t < job->tiles.count; t++) unbalanced += job->unbalanced[t];
     if (unbalanced == 0 || job->keep_odd) return BVX_OK;
@@ -186,6 +216,7 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
     memset(job->crossings, 0, sizeof job->crossings);
     memset(job->unbalanced, 0, sizeof job->unbalanced);
     memset(job->dropped, 0, sizeof job->dropped);
+    memset(job->tile_sums, 0, sizeof job->tile_sums);
     bvxi_tiles_choose(&job->tiles, job->block.ny, job->block.nz, BVXI_SOLID_TILES);
     BVXI_TRY(bvxi_snap_cells(ctx, &job->grid->lattice, &job->block, bvxi_solid_progress(job, 0), &job->snapped));
     if (job->take_lists != NULL) {
@@ -202,6 +233,8 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
         report->crossings += job->crossings[t];
         report->unbalanced_rows += job->unbalanced[t];
         report->dropped += job->dropped[t];
+        job->signed_sum += job->tile_sums[t][0];
+        job->parity_sum += job->tile_sums[t][1];
     }
     return status;
 }

@@ -61,6 +61,9 @@ struct bvxi_solid_job {
     int32_t keep_odd;        /* 1: such rows stay as they are, filled behind their last crossing (parity) */
     uint8_t *beyond;         /* by row: parity of the crossings behind the window's last voxel */
     uint64_t crossings[BVXI_SOLID_TILES], unbalanced[BVXI_SOLID_TILES], dropped[BVXI_SOLID_TILES];
+    int32_t summed;          /* 1: the sums below are made (parity) */
+    uint64_t signed_sum, parity_sum; /* of the turns that crossings make and of the bits set: equal or opposite where both are one */
+    uint64_t tile_sums[BVXI_SOLID_TILES][2];
 
     uint8_t *listed;         /* lists are made for rows with listed[row] != 0 only (NULL: all rows) */
     bvxi_row_lists lists;    /* being made: row_end holds counts, then begins that move to the ends */
@@ -69,7 +72,7 @@ struct bvxi_solid_job {
 };
 
 /* What the tiles do with a crossing: job->mode. */
-enum { BVXI_TOGGLE = 0, BVXI_COUNT_LIST = 1, BVXI_FILL_LIST = 2, BVXI_HIGHEST = 3 };
+enum { BVXI_TOGGLE = 0, BVXI_COUNT_LIST = 1, BVXI_FILL_LIST = 2, BVXI_HIGHEST = 3, BVXI_TOGGLE_SUMMED = 4 };
 
 /* A worker's batch of pairs of a triangle and a centre in its box (crossings.c). */
 enum { BVXI_CROSS_BATCH = 512, BVXI_CROSS_FEW = 8, BVXI_CROSS_MANY = 2048 };
@@ -109,6 +112,14 @@ static inline uint64_t *bvxi_block_words(const bvxi_solid_job *job, int32_t j, i
 static inline uint64_t bvxi_block_row(const bvxi_solid_job *job, int32_t j, int32_t k)
 {
     return (uint64_t)k * (uint64_t)job->block.ny + (uint64_t)j;
+}
+
+/* A step of 1 at a voxel of a row, in a sum over all rows. Two sets of steps with one sum are the same but for chance: 2^-64, and
+ * 2^-32 where their moments are the same, as the first half of the mixing is linear. */
+static inline uint64_t bvxi_step_sum(uint64_t row, int32_t x)
+{
+    uint64_t const m = (row << 24 ^ (uint64_t)x) * UINT64_C(0x9e3779b97f4a7c15);
+    return m ^ m >> 32;
 }
 
 /* Progress of the stage at a fraction of the block's work. */

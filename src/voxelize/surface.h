@@ -26,6 +26,7 @@ typedef struct bvxi_bins {
 typedef struct bvxi_surface_job {
     const bvx_mesh_view *view;
     const bvx_grid *grid; /* words are written by BVXI_TOUCH_SET */
+    const bvx_grid *solid; /* thin: crossings beside its voxels are left out; of grid's window, or NULL */
     bvxi_snapped snapped;
     bvxi_tiles tiles;     /* of the window's rows */
     bvxi_bins bins;
@@ -59,9 +60,14 @@ void bvxi_touch_conservative(bvxi_surface_tile *tile, const uint32_t *id, uint64
 void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count);
 void bvxi_touch_sampled(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count);
 
+static inline uint64_t *bvxi_surface_words(const bvxi_surface_job *job, const bvx_grid *grid, int32_t j, int32_t k)
+{
+    return grid->words + ((size_t)k * (size_t)job->size[1] + (size_t)j) * (size_t)grid->words_per_row;
+}
+
 static inline uint64_t *bvxi_surface_row(const bvxi_surface_job *job, int32_t j, int32_t k)
 {
-    return job->grid->words + ((size_t)k * (size_t)job->size[1] + (size_t)j) * (size_t)job->grid->words_per_row;
+    return bvxi_surface_words(job, job->grid, j, k);
 }
 
 /* Count or list a triangle for voxels from bit `first` of the grid on; any may come again from the same triangle. */

@@ -8,6 +8,7 @@
  * surface one is marked: the crossing between them lies in one of their segments.
  * Most triangles of a scan hold no line, or one or two; lines are counted for a batch at a time, few lines are tried one
  * by one, rows of many are cut by divisions.
+ * With job->solid only crossings are marked that the solid does not show: neither of the two centres beside them is in it.
  * Guarantee: exact; 6-separating. */
 #include "voxelize/touch_batch.h"
 
@@ -40,18 +41,51 @@ static double thin_extent(const bvxi_triangle *t, int a)
     return (double)most - (double)least;
 }
 
-/* A line (u, v) that the triangle covers: mark where it crosses. */
-static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
+/* The centre that a line crosses the triangle after; -1: before the first of the window. */
+static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v)
 {
-    bvxi_surface_job *const job = l->tile->job;
-    int32_t const f = job->fraction_bits;
+    int32_t const f = l->tile->job->fraction_bits;
     double const step = (double)(1 << f), half = 0.5 * step;
-    int32_t voxel[3], w;
+
     if (!l->ready) {
         bvxi_divider_setup(&l->t, f, thin_extent(&l->t, 1), thin_extent(&l->t, 2), &l->divider);
         l->ready = 1;
     }
-    w = bvxi_cross(&l->t, &l->divider, f, (double)u * step + half, (double)v * step + half, u, v) - 1;
+    return bvxi_cross(&l->t, &l->divider, f, (double)u * step + half, (double)v * step + half, u, v) - 1;
+}
+
+static int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, int32_t v)
+{
+    const bvx_grid *const solid = l->tile->job->solid;
+    int32_t at[3];
+
+    if (w < 0 || w >= solid->size[l->axis[0]]) return 0;
+    at[l->axis[0]] = w;
+    at[l->axis[1]] = u;
+    at[l->axis[2]] = v;
+    return (int)(bvxi_surface_words(l->tile->job, solid, at[1], at[2])[at[0] >> 6] >> (at[0] & 63) & 1);
+}
+
+/* The voxel that holds the crossing between centres w and w + 1: one of the two, as thin voxels are. */
+static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int32_t v)
+{
+    int32_t const f = l->tile->job->fraction_bits, half = 1 << f >> 1;
+    bvxi_triangle moved = l->t;
+
+    for (int c = 0; c < 3; c++) moved.p[c][0] += half;
+    return bvxi_cross_exact(&moved, f, u, v) - 1 > w ? w + 1 : w;
+}
+
+/* A line (u, v) that the triangle covers: mark where it crosses. */
+static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
+{
+    bvxi_surface_job *const job = l->tile->job;
+    int32_t voxel[3], w = line_crossing(l, u, v);
+
+    if (job->solid != NULL) {
+        if (is_solid_on_line(l, w, u, v) || is_solid_on_line(l, w + 1, u, v)) return;
+        w = voxel_of_crossing(l, w, u, v);
+    }
     if (w < l->low[0] || w > l->high[0]) return;
     voxel[l->axis[0]] = w;
     voxel[l->axis[1]] = u;
@@ -102,7 +136,7 @@ static void cut_lines(thin_lines *l)
 static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint32_t i, int axis, const int32_t low[3],
                         const int32_t high[3])
 {
-    int32_t const half = 1 << tile->job->fraction_bits >> 1;
+    int32_t const half = tile->job->solid != NULL ? 0 : 1 << tile->job->fraction_bits >> 1;
     int32_t q[3][3];
     thin_lines l;
     l.tile = tile;

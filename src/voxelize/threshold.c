@@ -145,6 +145,7 @@ bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, do
     bvxi_range_make(volume->sample_type, low, high, &range);
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
+    bvxi_grid_renew(context, &volume->lattice, &window, grid);
     made = *grid;
     BVXI_TRY(bvxi_grid_open(context, name, &volume->lattice, &window, &made));
     status = bvxi_threshold(context, "threshold", 0, 1, volume, stride, &range, report != NULL ? &counts : NULL, &made);

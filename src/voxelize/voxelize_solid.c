@@ -2,13 +2,14 @@
  *
  * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c, regions.c, below.c), the shell
  * is added and the edges are counted where asked. */
+#include "voxelize/auto.h"
 #include "voxelize/fills.h"
 
 #include <math.h>
 
 static const char solid_name[] = "bvx_voxelize_solid";
 static const bvx_voxelize_options voxelize_defaults = {
-    0, BVX_FILL_PARITY, 0, {{0, 0, 0}, {0, 0, 0}}, NULL, 0, 0, 0, 2, -(double)INFINITY, NULL};
+    0, BVX_FILL_AUTO, 0, {{0, 0, 0}, {0, 0, 0}}, NULL, 0, 0, 0, 2, -(double)INFINITY, NULL};
 
 void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size)
 {
@@ -25,7 +26,7 @@ static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const ch
 static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
 {
     int const below = o->fill == BVX_FILL_BELOW;
-    if (o->fill < BVX_FILL_PARITY || o->fill > BVX_FILL_WINDING)
+    if (o->fill < BVX_FILL_PARITY || o->fill > BVX_FILL_AUTO)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: fill rule %d is unknown", solid_name, (int64_t)o->fill);
     if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", solid_name);
     if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)
@@ -140,6 +141,14 @@ bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
     return fill_by_rule(ctx, mesh, &o, holes, solid, &unused);
 }
 
+/* A bvxi_fill_by_name_fn. */
+static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, bvx_grid *solid, bvx_solid_report *report)
+{
+    bvx_voxelize_options o = voxelize_defaults;
+    o.fill = fill;
+    return fill_by_rule(ctx, mesh, &o, NULL, solid, report);
+}
+
 /* ---- What comes after ---- */
 
 static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_grid *solid, bvx_solid_report *report)
@@ -172,9 +181,12 @@ bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, c
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (solid == NULL) return bvxi_fail_null(context, solid_name, "solid");
     BVXI_TRY(check_arguments(context, mesh, lattice, options, &o, &window));
+    bvxi_grid_renew(context, lattice, &window, solid);
     made = *solid;
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
-    status = fill_by_rule(context, mesh, &o, NULL, &made, &report);
+    report.fill = o.fill;
+    if (o.fill == BVX_FILL_AUTO) status = bvxi_fill_auto(context, solid_name, mesh, fill_chosen, &made, &report);
+    else status = fill_by_rule(context, mesh, &o, NULL, &made, &report);
     if (status == BVX_OK && o.add_shell) status = add_the_shell(context, mesh, &made, &report);
     if (status == BVX_OK && o.check_edges) status = count_edges(context, mesh, &report);
     if (status != BVX_OK) {

@@ -132,9 +132,13 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     if (status == BVX_OK) status = fill_lists(ctx, job, voxels, &made);
     bvxi_free(ctx, job->last, voxels * 4);
     bvxi_free(ctx, prefix, bytes);
-    if (status != BVX_OK) bvx_attached_free(ctx, &made);
-    else *attached = made;
-    return status;
+    if (status != BVX_OK) {
+        bvx_attached_free(ctx, &made);
+        return status;
+    }
+    bvx_attached_free(ctx, attached);
+    *attached = made;
+    return BVX_OK;
 }
 
 /* ---- the call ---- */
@@ -153,23 +157,48 @@ static bvx_status check_surface_arguments(bvx_context *ctx, const bvx_mesh_view 
     if (o->mode < BVX_SURFACE_CONSERVATIVE || o->mode > BVX_SURFACE_SAMPLED)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mode %d is unknown", surface_name, (int64_t)o->mode);
     if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", surface_name);
-    if (o->attached != NULL && (o->attached->offsets != NULL || o->attached->triangles != NULL))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: attached holds arrays already; free or zero it first", surface_name);
+    if (o->attached != NULL && o->attached->offsets == NULL && o->attached->triangles != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: attached brings triangles, which are not used; zero it first", surface_name);
     BVXI_TRY(bvxi_view_check(ctx, surface_name, mesh));
     if (mesh->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", surface_name);
     BVXI_TRY(bvxi_lattice_check(ctx, surface_name, lattice));
     return bvxi_window_take(ctx, surface_name, lattice, &o->window, window);
 }
 
-static bvx_status run_surface(bvx_context *ctx, const bvx_surface_options *o, bvxi_surface_job *job)
+static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_surface_options *o, bvxi_surface_job *job)
 {
-    bvx_status status = bvxi_snap(ctx, surface_name, job->view, &job->grid->lattice, &job->snapped);
-    if (status == BVX_OK) status = bvxi_bins_open(ctx, surface_name, job);
+    bvx_status status = bvxi_snap(ctx, function, job->view, &job->grid->lattice, &job->snapped);
+    if (status == BVX_OK) status = bvxi_bins_open(ctx, function, job);
     if (status == BVX_OK) status = touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0);
     if (status == BVX_OK && o->attached != NULL) status = attach_triangles(ctx, job, o->attached);
     bvxi_bins_close(ctx, job);
     bvxi_snap_free(ctx, &job->snapped);
     return status;
+}
+
+/* A job for a grid that is open; the mesh and the lattice have been checked. */
+static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t mode, const bvx_grid *grid, bvxi_surface_job *job)
+{
+    memset(job, 0, sizeof *job);
+    job->view = mesh;
+    job->grid = grid;
+    job->fraction_bits = grid->lattice.fraction_bits;
+    job->mode = mode;
+    job->cpu = bvxi_cpu(ctx);
+    memcpy(job->size, grid->size, sizeof job->size);
+    memcpy(job->low, grid->low, sizeof job->low);
+    bvxi_tiles_choose(&job->tiles, grid->size[1], grid->size[2], choose_tile_count(ctx));
+    job->pieces = bvxi_threads(ctx) == 1 ? bvxi_piece_count(mesh->triangle_count, SURFACE_GRAIN) : 1;
+}
+
+bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *lost)
+{
+    bvx_surface_options const o = surface_defaults;
+    bvxi_surface_job job;
+
+    begin_surface(ctx, mesh, BVX_SURFACE_THIN, lost, &job);
+    job.solid = solid;
+    return run_surface(ctx, function, &o, &job);
 }
 
 static void report_surface(const bvxi_surface_job *job, bvx_surface_report *report)
@@ -193,19 +222,11 @@ bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (surface == NULL) return bvxi_fail_null(context, surface_name, "surface");
     BVXI_TRY(check_surface_arguments(context, mesh, lattice, options, &o, &window));
+    bvxi_grid_renew(context, lattice, &window, surface);
     made = *surface;
     BVXI_TRY(bvxi_grid_open(context, surface_name, lattice, &window, &made));
-    memset(&job, 0, sizeof job);
-    job.view = mesh;
-    job.grid = &made;
-    job.fraction_bits = lattice->fraction_bits;
-    job.mode = o.mode;
-    job.cpu = bvxi_cpu(context);
-    memcpy(job.size, window.size, sizeof job.size);
-    memcpy(job.low, window.low, sizeof job.low);
-    bvxi_tiles_choose(&job.tiles, window.size[1], window.size[2], choose_tile_count(context));
-    job.pieces = bvxi_threads(context) == 1 ? bvxi_piece_count(mesh->triangle_count, SURFACE_GRAIN) : 1;
-    status = run_surface(context, &o, &job);
+    begin_surface(context, mesh, o.mode, &made, &job);
+    status = run_surface(context, surface_name, &o, &job);
     if (status != BVX_OK) {
         if (surface->words == NULL) bvx_grid_free(context, &made);
         return status;

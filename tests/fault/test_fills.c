@@ -5,8 +5,8 @@
 
 /* ---- Inputs, made once ---- */
 
-static maker_mesh closed, hollow, holes; /* hollow: a cavity; holes: triangles missing and turned */
-static bvx_mesh_view closed_view, hollow_view, holes_view;
+static maker_mesh closed, hollow, holes, overlapping; /* hollow: a cavity; holes: triangles missing and turned */
+static bvx_mesh_view closed_view, hollow_view, holes_view, overlap_view;
 static bvx_lattice lattice;
 static bvx_grid surface;
 static bvx_context *maker; /* what made them */
@@ -25,6 +25,14 @@ static int make_inputs(void **state)
     maker_star(&hollow, &seed, centre, inner, 0.1, 7, 11, 65536);
     for (int i = 0; i < 7; i++) maker_remove(&holes, (size_t)maker_below(&seed, (int32_t)holes.triangles));
     maker_flip(&holes, 20, 40);
+    maker_star(&overlapping, &seed, centre, inner, 0.1, 7, 11, 65536);
+    for (size_t first = overlapping.triangles; first != 0; first = 0) {
+        static const double beside[3] = {15, 10, 9};
+        maker_star(&overlapping, &seed, beside, inner, 0.1, 7, 11, 65536);
+        maker_flip(&overlapping, first, overlapping.triangles);
+        maker_flip(&overlapping, 3, 4);
+    }
+    overlap_view = maker_view(&overlapping);
     closed_view = maker_view(&closed);
     hollow_view = maker_view(&hollow);
     holes_view = maker_view(&holes);
@@ -42,6 +50,7 @@ static int free_inputs(void **state)
     maker_free(&closed);
     maker_free(&hollow);
     maker_free(&holes);
+    maker_free(&overlapping);
     return 0;
 }
 
@@ -76,6 +85,22 @@ static bvx_status vote(void *user, bvx_context *ctx)
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_VOTE;
     o.check_edges = o.add_shell = 1;
+    return fill_by(ctx, &holes_view, &o);
+}
+
+/* Overlapping parts, one of them inside out; then a window of a mesh with holes. */
+static bvx_status overlap(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return fill_by(ctx, &overlap_view, NULL);
+}
+
+static bvx_status automatic(void *user, bvx_context *ctx)
+{
+    bvx_voxelize_options o;
+    (void)user;
+    bvx_voxelize_options_init(&o, sizeof o);
+    for (int a = 0; a < 3; a++) o.window.size[a] = 5 + a;
     return fill_by(ctx, &holes_view, &o);
 }
 
@@ -174,6 +199,7 @@ typedef struct fill_kind {
 static fill_kind fills[] = {
     {"vote", vote, 0},       {"regions", regions, 0}, {"flood", flood, 0},     {"below", below, 0},
     {"compare", compare, 0}, {"seed", seed, 0},       {"pockets", pockets, 0}, {"fill", grid_fill, 0},
+    {"overlap", overlap, 0}, {"auto", automatic, 0},
 };
 enum { KINDS = sizeof fills / sizeof fills[0] };
 

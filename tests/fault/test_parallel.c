@@ -37,7 +37,7 @@ static void test_parallel_runs_each_task_once(void **state)
             o.threads = threads;
             ctx = context_with(&o);
             assert_int_equal(bvxi_threads(ctx), bvx_context_threads(ctx));
-            assert_in_range(bvxi_threads(ctx), 1, threads); /* one where OpenMP is not built in */
+            assert_in_range(bvxi_threads(ctx), 1, threads); /* one where no threads are built in */
             assert_int_equal(bvxi_parallel(ctx, "tasks", 0, 1, counts[i], record_task, &r), BVX_OK);
             assert_each_ran_once(&r, counts[i], bvxi_threads(ctx));
             bvx_context_destroy(ctx);

@@ -3,7 +3,7 @@
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
-static maker_mesh spoilt; /* holes, flipped and doubled triangles, a sheet */
+static maker_mesh spoilt; /* holes, flipped and doubled triangles, a sheet, thin walls */
 static bvx_mesh_view spoilt_view;
 static uint64_t want;     /* hash of a good run's mesh */
 static int left_behind;   /* a failed call left something, or a good one another result */
@@ -40,6 +40,7 @@ static bvx_status repair_once(void *user, bvx_context *ctx)
 static int make_spoilt(void **state)
 {
     static const double centre[3] = {0, 0, 0}, radius[3] = {4, 4, 3};
+    static const double plate[3] = {0, 9, 0}, thin[3] = {4, 3, 0.2}; /* its walls are thinner than voxels */
     uint64_t seed = 99;
     uint32_t a, b, c;
     (void)state;
@@ -51,6 +52,7 @@ static int make_spoilt(void **state)
     b = maker_vertex(&spoilt, 9, 0, 1);
     c = maker_vertex(&spoilt, 6, 4, 1);
     maker_triangle(&spoilt, a, b, c);
+    maker_star(&spoilt, &seed, plate, thin, 0, 7, 11, 65536);
     spoilt_view = maker_view(&spoilt);
     return 0;
 }

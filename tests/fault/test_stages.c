@@ -612,6 +612,7 @@ static void test_callers_arrays_survive_failures(void **state)
         bvx_context_options const base = default_options(), o = fault_options(&base, &heap);
         bvx_context *const ctx = context_with(&o);
         bvx_grid grid = {0}, before;
+        bvx_voxelize_options by_rows;
         bvx_status status;
         uint64_t hash, want;
         grid.words = array;
@@ -619,7 +620,9 @@ static void test_callers_arrays_survive_failures(void **state)
         before = grid;
         heap.asked = 0;
         heap.fail_at = n;
-        status = bvx_voxelize_solid(ctx, &holes_view, &lattice, NULL, &grid);
+        bvx_voxelize_options_init(&by_rows, sizeof by_rows);
+        by_rows.fill = BVX_FILL_PARITY;
+        status = bvx_voxelize_solid(ctx, &holes_view, &lattice, &by_rows, &grid);
         if (status == BVX_OK) {
             trial const t = trial_of(&stages[2]);
             want = t.want;

@@ -49,12 +49,14 @@ typedef struct writer {
     uint64_t allocations; /* at least */
     int32_t normals;
     uint64_t levels; /* 0: one mesh */
+    int check;       /* what the file would hold, in doubles far from the origin */
 } writer;
 
 static const writer writers[] = {
-    {"STL", BVX_FORMAT_STL, 1, 0, 0}, {"OBJ", BVX_FORMAT_OBJ, 1, 0, 0}, {"PLY", BVX_FORMAT_PLY, 1, 0, 0},
-    {"OFF", BVX_FORMAT_OFF, 1, 0, 0}, {"GLB", BVX_FORMAT_GLB, 11, 0, 0}, {"OBJ with normals", BVX_FORMAT_OBJ, 2, 1, 0},
-    {"PLY with normals", BVX_FORMAT_PLY, 2, 1, 0}, {"levels", BVX_FORMAT_GLB, 19, 0, 2},
+    {"STL", BVX_FORMAT_STL, 1, 0, 0, 0}, {"OBJ", BVX_FORMAT_OBJ, 1, 0, 0, 0}, {"PLY", BVX_FORMAT_PLY, 1, 0, 0, 0},
+    {"OFF", BVX_FORMAT_OFF, 1, 0, 0, 0}, {"GLB", BVX_FORMAT_GLB, 11, 0, 0, 0}, {"OBJ with normals", BVX_FORMAT_OBJ, 2, 1, 0, 0},
+    {"PLY with normals", BVX_FORMAT_PLY, 2, 1, 0, 0}, {"levels", BVX_FORMAT_GLB, 19, 0, 2, 0},
+    {"a check of STL", BVX_FORMAT_STL, 10, 0, 0, 1},
 };
 enum { WRITERS = sizeof writers / sizeof writers[0] };
 
@@ -65,10 +67,23 @@ typedef struct writing {
     int left_behind, other;
 } writing;
 
+/* The report's bytes stand for a file. */
+static bvx_status check_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
+{
+    bvx_mesh far = sheet;
+    bvx_write_report report;
+    bvx_status status;
+    far.frame[0] = 1e6;
+    status = bvx_check_written(ctx, &far, 1, w->format, &report);
+    if (status != BVX_OK) return status;
+    return bvx_write_mesh(ctx, &sheet, report.fits ? BVX_FORMAT_PLY : w->format, file);
+}
+
 static bvx_status write_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
 {
     bvx_mesh const levels[2] = {sheet, sheet};
     bvx_write_options o;
+    if (w->check) return check_as(w, ctx, file);
     if (w->levels != 0) return bvx_write_levels(ctx, levels, w->levels, w->format, file);
     if (!w->normals) return bvx_write_mesh(ctx, &sheet, w->format, file);
     bvx_write_options_init(&o, sizeof o);

@@ -100,7 +100,7 @@ static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     int32_t const operation = fuzz_range(in, BVX_BOOLEAN_UNION, BVX_BOOLEAN_XOR);
     bvx_boolean_options_init(&o, sizeof o);
     o.resolution = fuzz_range(in, 1, 20);
-    o.sharp = fuzz_range(in, 0, 1);
+    o.sharp = fuzz_range(in, -1, 1);
     o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
     o.position_type = BVX_F64;
     o.report = &report;

@@ -89,7 +89,7 @@ static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     o.resolution = fuzz_range(in, 1, 24);
     o.sign = fuzz_range(in, 0, 2) == 0 ? BVX_SIGN_VOTE : BVX_SIGN_AUTO;
     o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
-    o.sharp = fuzz_range(in, 0, 1);
+    o.sharp = fuzz_range(in, -1, 1);
     o.shell = fuzz_range(in, 0, 3) == 0 ? 0 : 1.5 + fuzz_range(in, 0, 4) / 4.0;
     o.least_part = (uint64_t)fuzz_range(in, 0, 3);
     o.least_cavity = (uint64_t)fuzz_range(in, 0, 3);

@@ -92,6 +92,37 @@ static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
     bvx_buffer_free(ctx, &twin);
 }
 
+/* What is told of a file is what reading it gives, and what does not fit is refused. */
+static void fuzz_check_written(bvx_context *ctx, const bvx_mesh *m)
+{
+    bvx_write_options o;
+    bvx_write_report r;
+    bvx_buffer b = {0};
+    bvx_mesh back = {0};
+    bvx_certificate c;
+    bvx_mesh_view view;
+    bvx_status status;
+
+    if (m->vertex_count > 10000 || m->triangle_count > 10000) return;
+    status = bvx_check_written(ctx, m, 1, BVX_FORMAT_STL, &r);
+    fuzz_require(status == BVX_OK || status == BVX_ERR_RANGE, "a mesh whose file cannot be judged");
+    if (status != BVX_OK) return; /* wider than floats reach */
+    status = bvx_write_mesh(ctx, m, BVX_FORMAT_STL, &b);
+    fuzz_require((status == BVX_OK) == (r.fits != 0), "a refusal that the report does not know");
+    bvx_buffer_free(ctx, &b);
+
+    bvx_write_options_init(&o, sizeof o);
+    o.rounding = BVX_ROUNDING_ALLOW;
+    fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_STL, &b) == BVX_OK, "rounding that is not allowed");
+    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_STL, &back) == BVX_OK, "a rounded mesh that cannot be read");
+    bvx_mesh_view_of(&back, &view);
+    fuzz_require(bvx_mesh_check(ctx, &view, 1, &c) == BVX_OK && c.closed == r.file.closed && c.vertices == r.file.vertices &&
+                     c.collapsed == r.file.collapsed && c.components == r.file.components && c.euler == r.file.euler,
+                 "a certificate that is not the file's");
+    bvx_mesh_free(ctx, &back);
+    bvx_buffer_free(ctx, &b);
+}
+
 static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int format)
 {
     static const bvx_mesh empty = {0};
@@ -106,6 +137,7 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
         fuzz_check_attributes(&m);
         if (!is_points) fuzz_check_writing(ctx, &m);
         if (!is_points) fuzz_check_more_writing(ctx, &m);
+        if (!is_points) fuzz_check_written(ctx, &m);
     } else {
         fuzz_require(memcmp(&m, &empty, sizeof m) == 0, "a result behind an error");
     }

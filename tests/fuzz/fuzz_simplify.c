@@ -1,5 +1,5 @@
-/* fuzz_simplify.c - closed meshes to fewer triangles: surfaces of random bits, their vertices moved, and whatever closed parts a random mesh
- * has. Each level is certified, with the handles and pieces of the mesh, crosses nothing where the mesh did not, and is the same for many
+/* fuzz_simplify.c - meshes to fewer triangles: surfaces of random bits, their vertices moved, some of their triangles taken out or turned, and
+ * whatever a random mesh has. Each level is certified, closed where the mesh was, with the handles and pieces of the mesh, crosses nothing where the mesh did not, and is the same for many
  * threads and any order of the triangles. */
 #include "fuzz_input.h"
 
@@ -40,6 +40,11 @@ static uint64_t fuzz_crossings_of(bvx_context *ctx, const bvx_mesh_view *view)
     return count;
 }
 
+static int fuzz_is_sound(const bvx_certificate *c)
+{
+    return c->closed && c->edge_manifold && c->vertex_manifold && c->oriented;
+}
+
 /* f32 may join or cross what is a hair apart, so only doubles keep it all. */
 static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_certificate *before, uint64_t crossings, int32_t type)
 {
@@ -47,10 +52,33 @@ static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_certif
     bvx_certificate c;
     bvx_mesh_view_of(level, &view);
     fuzz_must(ctx, bvx_mesh_check(ctx, &view, 0, &c));
-    fuzz_require(c.closed && c.edge_manifold && c.oriented && c.unused_vertices == 0, "a level that is not certified");
+    fuzz_require(c.edge_manifold && c.oriented && c.unused_vertices == 0, "a level that is not certified");
+    if (fuzz_is_sound(before)) fuzz_require(c.closed, "a level that is not closed");
     if (type == BVX_F32) return;
-    fuzz_require(c.euler == before->euler && c.components == before->components && c.vertex_manifold, "a level of other handles or pieces");
+    fuzz_require(c.vertex_manifold, "a level whose parts touch");
+    if (!before->edge_manifold || !before->vertex_manifold || !before->oriented || before->duplicates != 0) return;
+    fuzz_require(c.boundary_edges <= before->boundary_edges && c.closed == before->closed, "a level of other borders");
+    fuzz_require(c.euler == before->euler && c.components == before->components, "a level of other handles or pieces");
     if (crossings == 0) fuzz_require(fuzz_crossings_of(ctx, &view) == 0, "a level that crosses itself");
+}
+
+/* Take triangles out of a surface, turn some and double some. */
+static void fuzz_open_surface(fuzz_input *in, bvx_mesh *surface)
+{
+    for (int n = fuzz_range(in, 0, 15); n > 0 && surface->triangle_count > 1; n--) {
+        uint32_t *const t = surface->triangles + 3 * ((uint64_t)fuzz_range(in, 0, 65535) % surface->triangle_count);
+        uint32_t const corner = t[0];
+        switch (fuzz_range(in, 0, 4)) {
+        case 0:
+            t[0] = t[1];
+            t[1] = corner;
+            break;
+        case 1: memcpy(surface->triangles, t, 12); break;
+        default:
+            surface->triangle_count--;
+            memmove(t, surface->triangles + 3 * surface->triangle_count, 12);
+        }
+    }
 }
 
 /* Triangles backwards, each begun at another corner. */
@@ -96,11 +124,13 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     o.even = fuzz_range(in, 0, 2) / 2.0 * fuzz_range(in, 0, 255) / 255.0;
     o.measure_samples = (uint64_t)fuzz_range(in, 0, 1) * 20;
     if (o.target_errors != NULL) o.measure_samples = 50;
+    o.open = fuzz_range(in, 0, 2);
     o.reports = reports;
     status = bvx_mesh_simplify(ctx, view, &o, 2, level);
     if (status == BVX_ERR_ARGUMENT) {
-        fuzz_require(!before.closed || !before.edge_manifold || !before.vertex_manifold || !before.oriented || fuzz_two_at_one_place(&before),
-                     "a sound mesh that is refused");
+        fuzz_require(!fuzz_is_sound(&before) || fuzz_two_at_one_place(&before), "a sound mesh that is refused");
+        fuzz_require(o.open != BVX_OPEN_CUT, "a mesh that cannot be cut");
+        fuzz_require(o.open != BVX_OPEN_KEEP || !before.edge_manifold || !before.oriented || fuzz_two_at_one_place(&before), "a sheet that is refused");
         fuzz_require(level[0].positions == NULL && level[1].positions == NULL, "a level behind an error");
         return;
     }
@@ -110,7 +140,7 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     corners = malloc((size_t)view->triangle_count * 12);
     fuzz_require(corners != NULL, "no memory");
     /* Distances are of points that are drawn triangle by triangle, so that levels by error follow the order. */
-    if (o.target_errors == NULL && !fuzz_two_at_one_place(&before)) fuzz_turn(&turned, corners);
+    if (o.target_errors == NULL && before.edge_manifold && before.oriented && !fuzz_two_at_one_place(&before)) fuzz_turn(&turned, corners);
     o.reports = NULL;
     fuzz_must(other, bvx_mesh_simplify(other, &turned, &o, 2, twin));
     for (int i = 0; i < 2; i++) {
@@ -129,6 +159,7 @@ static void fuzz_one(fuzz_input *in)
     if (fuzz_range(in, 0, 3) != 0) {
         bvx_mesh_view view;
         fuzz_take_surface(ctx, in, &surface);
+        if (surface.triangle_count > 1 && fuzz_range(in, 0, 1)) fuzz_open_surface(in, &surface);
         bvx_mesh_view_of(&surface, &view);
         if (surface.triangle_count > 0) fuzz_simplify(ctx, other, in, &view);
     } else {

@@ -80,6 +80,10 @@ static void repair_cases(golden *g)
     view.triangle_count -= 700;
     repair_values_of(g, "torus_48_open", &view, 48, BVX_SIGN_AUTO);
     repair_values_of(g, "torus_48_open_vote", &view, 48, BVX_SIGN_VOTE);
+    shape_ball(&golden_shape, 24);
+    for (uint32_t v = 0; v < golden_shape.vertices; v++) golden_shape.v[v][2] *= 0.01;
+    shape_view(&golden_shape, &view);
+    repair_values_of(g, "thin_disc_48", &view, 48, BVX_SIGN_AUTO);
     shape_soup(&golden_shape, 300, 11);
     shape_view(&golden_shape, &view);
     repair_values_of(g, "soup_32", &view, 32, BVX_SIGN_AUTO);

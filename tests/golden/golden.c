@@ -281,6 +281,7 @@ static void solid_cases(golden *g)
     static const solid_case soup[] = {
         {"soup_65", 65, BVX_FILL_PARITY, {{0, 0, 0}, {0, 0, 0}}},
         {"soup_65_nonzero", 65, BVX_FILL_NONZERO, {{0, 0, 0}, {0, 0, 0}}},
+        {"soup_65_auto", 65, BVX_FILL_AUTO, {{0, 0, 0}, {0, 0, 0}}},
     };
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     for (size_t i = 0; i < sizeof torus / sizeof torus[0]; i++) solid_values(g, &torus[i]);

@@ -15,7 +15,7 @@ static void level_values(golden *g, bvx_mesh *levels, const bvx_level_report *re
     }
 }
 
-static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *view, int32_t type, double even)
+static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *view, int32_t type, double even, int32_t open)
 {
     static const uint64_t targets[2] = {900, 120};
     bvx_level_report reports[2];
@@ -25,6 +25,7 @@ static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *vi
     o.target_triangles = targets;
     o.position_type = type;
     o.even = even;
+    o.open = open;
     o.reports = reports;
     golden_begin(g, name);
     if (golden_good(g, bvx_mesh_simplify(g->context, view, &o, 2, levels))) level_values(g, levels, reports);
@@ -75,8 +76,8 @@ static void knot_levels(golden *g)
     if (golden_good(g, bvx_read_mesh(g->context, bytes, size, BVX_FORMAT_PLY, &knot))) golden_u64(g, "triangles", knot.triangle_count);
     golden_end(g);
     bvx_mesh_view_of(&knot, &view);
-    simplified_mesh(g, "knot_f32", &view, BVX_F32, 0.000001);
-    simplified_mesh(g, "knot_f64", &view, BVX_F64, 0.000001);
+    simplified_mesh(g, "knot_f32", &view, BVX_F32, 0.000001, BVX_OPEN_SHELL);
+    simplified_mesh(g, "knot_f64", &view, BVX_F64, 0.000001, BVX_OPEN_SHELL);
     bvx_mesh_free(g->context, &knot);
 }
 
@@ -86,9 +87,13 @@ static void level_cases(golden *g)
     bvx_mesh_view view;
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
-    simplified_mesh(g, "torus_f32", &view, BVX_F32, 0.000001);
-    simplified_mesh(g, "torus_f64", &view, BVX_F64, 0.000001);
-    simplified_mesh(g, "torus_even", &view, BVX_F64, 0.5);
+    simplified_mesh(g, "torus_f32", &view, BVX_F32, 0.000001, BVX_OPEN_SHELL);
+    simplified_mesh(g, "torus_f64", &view, BVX_F64, 0.000001, BVX_OPEN_SHELL);
+    simplified_mesh(g, "torus_even", &view, BVX_F64, 0.5, BVX_OPEN_SHELL);
+    view.triangle_count -= 2000;
+    simplified_mesh(g, "sheet_f32", &view, BVX_F32, 0.000001, BVX_OPEN_KEEP);
+    simplified_mesh(g, "sheet_f64", &view, BVX_F64, 0.000001, BVX_OPEN_KEEP);
+    view.triangle_count += 2000;
     built_levels(g, "torus_sound", &view, 0, 0, -1, NULL);
     built_levels(g, "torus_measured", &view, BVX_F32, 60, 0, NULL);
     built_levels(g, "torus_measured_f64_sharp", &view, BVX_F64, 60, 1, NULL);
@@ -98,13 +103,16 @@ static void level_cases(golden *g)
         golden_shape.t[t][0] = golden_shape.t[t][1];
         golden_shape.t[t][1] = a;
     }
+    simplified_mesh(g, "torus_turned", &view, BVX_F64, 0.000001, BVX_OPEN_KEEP);
     built_levels(g, "torus_flipped", &view, 0, 50, -1, NULL);
+    for (uint32_t t = 0; t < golden_shape.triangles; t += 97) golden_shape.t[t][0] = golden_shape.t[golden_shape.triangles - 1 - t][0];
+    simplified_mesh(g, "joints_cut", &view, BVX_F64, 0.000001, BVX_OPEN_CUT);
     shape_soup(&golden_shape, 60, 11);
     shape_view(&golden_shape, &view);
     built_levels(g, "soup", &view, 0, 40, -1, NULL);
     shape_ball(&golden_shape, 20);
     shape_view(&golden_shape, &view);
-    simplified_mesh(g, "ball_loose", &view, BVX_F64, 0.000001);
+    simplified_mesh(g, "ball_loose", &view, BVX_F64, 0.000001, BVX_OPEN_SHELL);
     knot_levels(g);
 }
 

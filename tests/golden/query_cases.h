@@ -259,6 +259,18 @@ static void mesh_files(golden *g, bvx_mesh *mesh)
     golden_end(g);
 }
 
+/* What 32-bit floats leave of a mesh of doubles in metres of a map projection. */
+static void written_value(golden *g, const bvx_mesh *mesh)
+{
+    bvx_mesh far = *mesh;
+    bvx_write_report r;
+
+    far.frame[0] = 600000.0;
+    far.frame[1] = 5000000.0;
+    if (golden_good(g, bvx_check_written(g->context, &far, 1, BVX_FORMAT_STL, &r)))
+        golden_hex(g, "written", r.merged << 40 ^ r.spoilt << 20 ^ r.file.vertices << 1 ^ (uint64_t)r.fits);
+}
+
 /* Normals in the formats that hold them, and levels of detail in one file. */
 static void mesh_files_with(golden *g, const bvx_mesh *mesh, const bvx_mesh *finer)
 {
@@ -273,6 +285,7 @@ static void mesh_files_with(golden *g, const bvx_mesh *mesh, const bvx_mesh *fin
     levels[0] = *finer;
     levels[1] = *mesh;
     file_value(g, "levels", bvx_write_levels(g->context, levels, 2, BVX_FORMAT_GLB, &file), &file);
+    written_value(g, mesh);
     golden_end(g);
 }
 

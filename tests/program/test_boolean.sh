@@ -35,18 +35,41 @@ certified 'interpolation' union blocks.ply "$knot" --resolution 48 --interpolati
 certified 'fill' union blocks.ply "$knot" --resolution 48 --fill winding
 certified 'spacing' union blocks.ply "$knot" --spacing 0.2
 
+# A half-space that cuts a part is a box a thousand times as large.
+printf 'v %s\n' '0 0 0' '9 0 0' '0 9 0' '9 9 0' '0 0 9' '9 0 9' '0 9 9' '9 9 9' >cube.obj
+printf 'f %s\n' '1 3 4 2' '5 6 8 7' '1 2 6 5' '3 7 8 4' '1 5 7 3' '2 4 8 6' >sides
+cat sides >>cube.obj
+printf 'v %s\n' '-5000 -5000 3' '5000 -5000 3' '-5000 5000 3' '5000 5000 3' '-5000 -5000 9999' '5000 -5000 9999' '-5000 5000 9999' '5000 5000 9999' >half.obj
+cat sides >>half.obj
+certified 'half-space' difference cube.obj half.obj --resolution 64
+"$program" boolean difference cube.obj half.obj -o result.ply --resolution 64 >out
+grep -q 'volume 24[23]' out
+result 'a difference has the lattice of the first' $?
+head -12 cube.obj >open.obj
+certified 'open' union open.obj open.obj --resolution 48
+run boolean union open.obj open.obj -o result.ply --resolution 48 --json
+grep -q '"fill": "winding", "reason": "open"' out
+result 'an open box is filled by winding' $?
+printf 'v %s\n' '1 1 1' '2 1 1' '1 2 1' '2 2 1' '1 1 2' '2 1 2' '1 2 2' '2 2 2' >crumb.obj
+cat sides >>crumb.obj
+run boolean difference cube.obj crumb.obj -o result.ply --resolution 64 --json
+grep -q 'few voxels at this resolution; --resolution 576 shows it' out
+result 'a body of few voxels is told' $?
+refuses 1 'take a resolution of' union cube.obj crumb.obj -o result.ply --spacing 5
+
 # Mesh and grid agree: the same voxels whatever goes out.
 run boolean union "$knot" blocks.ply -o both.bvx --resolution 64 --json
 united=$(count)
-run boolean intersection "$knot" blocks.ply -o common.npy --resolution 64 --json
+for mesh in "$knot" blocks.ply; do "$program" boolean intersection both.bvx $mesh -o $(basename $mesh .ply).bvx --quiet; done
+run boolean intersection knot.bvx blocks.bvx -o common.npy --json
 common=$(count)
 run boolean xor "$knot" blocks.ply -o alone.nrrd --resolution 64 --json
 alone=$(count)
 run boolean difference both.bvx common.npy -o result.bvx --json
 [ $status = 0 ] && [ "$(count)" = "$alone" ] && [ $((united - common)) = "$alone" ]
 result 'union less intersection is xor, of grids' $?
-run boolean xor "$knot" blocks.ply -o result.ply --resolution 64 --json
-[ "$(count)" = "$alone" ] && grep -q '"boolean": {"operation": "xor", "voxels_a": [0-9]*, "voxels_b": [0-9]*, "voxels": [0-9]*, "surfaces_kept": true}' out
+run boolean xor "$knot" blocks.ply -o result.ply --resolution 64 --least-part 0 --json
+[ "$(count)" = "$alone" ] && grep -q '"boolean": {"operation": "xor", "voxels_a": [0-9]*, "voxels_b": [0-9]*, "voxels": [0-9]*, "surfaces_kept": true, "a": {"fill": "parity", "reason": "sound", "turned": 0, "unbalanced_rows": 0}, "b": {[^}]*}' out
 result 'as many voxels for a mesh, and the report for programs' $?
 run boolean difference both.bvx "$knot" -o result.vti --json
 [ $status = 0 ] && grep -q '"surfaces_kept": false' out
@@ -65,7 +88,7 @@ cmp -s t1.ply t3.ply
 result 'threads do not show' $?
 
 refuses 2 'no operation' join "$knot" blocks.ply -o result.ply
-refuses 2 'lacks an input file' union "$knot" -o result.ply
+refuses 2 'lacks an input' union "$knot" -o result.ply
 refuses 1 'No such file' union "$knot" missing.ply -o result.ply
 refuses 2 'no format that is written' union "$knot" blocks.ply -o result.txt
 refuses 2 'brings its own lattice' union "$knot" both.bvx -o result.ply --resolution 12

@@ -12,7 +12,7 @@ quietly() { "$program" "$@" --quiet </dev/null || echo "# failed: $*"; }
 quietly lod "$knot" -o small.ply --levels 12 --samples 0
 for format in stl obj off; do quietly convert small.ply -o small.$format; done
 for format in npy binvox vox nrrd vti bvx; do quietly voxelize small.ply -o grid.$format --mode thin --resolution 20; done
-quietly refine small.ply -o tree.bvx --levels 3 --base 4
+quietly refine small.ply -o tree.bvx --halvings 3 --base 4
 for format in csv csl; do quietly slice small.ply -o knot.$format --spacing 1; done
 quietly voxelize "$knot" -o knot.bvx --mode thin --resolution 48
 cp grid.bvx small.bvx
@@ -36,8 +36,8 @@ ply repair small.ply --resolution 16
 vti fill grid.bvx
 vti morph close small.ply --resolution 16 --radius 1
 nrrd components grid.bvx
-vtu refine small.ply --levels 2 --base 4
-bvx refine small.ply --levels 3 --base 4
+vtu refine small.ply --halvings 2 --base 4
+bvx refine small.ply --halvings 3 --base 4
 ply sections knot.csv
 csl slice small.ply --spacing 1
 svg slice small.ply --spacing 1

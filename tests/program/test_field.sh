@@ -126,7 +126,7 @@ for sign in pseudonormal winding vote; do holds "$sign is exact on a closed mesh
 run voxelize open.obj -o x.npy --mode field --spacing 1
 holds 'an open mesh takes winding numbers' says '^  sign +winding'
 run voxelize flipped.obj -o x.npy --mode field --spacing 1
-holds 'a flipped triangle takes the vote' says '^  sign +vote'
+holds 'a flipped triangle is turned' says '^  sign +exact'
 run voxelize box.obj -o x.npy --mode field --resolution 3,5,7
 holds 'stretched voxels' says '^  dims +9 x 11 x 13$'
 

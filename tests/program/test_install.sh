@@ -44,6 +44,8 @@ stages_files() {
     cat >"$work/expected" <<END
 ./usr/bin/bitvox
 ./usr/include/bitvox.h
+./usr/lib/x86_64-any/cmake/bitvox/bitvoxConfig.cmake
+./usr/lib/x86_64-any/cmake/bitvox/bitvoxConfigVersion.cmake
 ./usr/lib/x86_64-any/libbitvox.a
 ./usr/lib/x86_64-any/libbitvox.so
 ./usr/lib/x86_64-any/libbitvox.so.${version%.*}
@@ -84,9 +86,9 @@ builds_static() { # MAKE SETTINGS...
     [ "$("$work/use-static")" = "$expected" ]
 }
 
-static_without_openmp() {
-    builds_static OPENMP=0 ZLIB=0 CFLAGS=-O0 BUILD="$work/plain" || return 1
-    ! grep -q openmp "$work/static/lib/pkgconfig/bitvox.pc"
+static_without_threads() {
+    builds_static THREADS=0 ZLIB=0 CFLAGS=-O0 BUILD="$work/plain" || return 1
+    ! grep -q -e openmp -e pthread "$work/static/lib/pkgconfig/bitvox.pc"
 }
 
 manual_reads() {
@@ -100,6 +102,6 @@ check 'install stages exactly its files' stages_files
 check 'uninstall removes them all' uninstalls
 check 'a program against the shared library' builds_shared
 check 'a program against the static library' builds_static
-check 'a program against it without OpenMP' static_without_openmp
+check 'a program against it without threads' static_without_threads
 check 'the man page reads without warnings' manual_reads
 finish

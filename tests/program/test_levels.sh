@@ -245,9 +245,31 @@ reports 'simplify --json' 'r["meshes"][0]["met"] and r["meshes"][0]["source"] ==
 "$program" simplify "$knot" -o a.ply --triangles 700 --quiet
 "$program" lod "$knot" -o b.ply --triangles 700 --quiet
 holds 'simplify and lod agree on a sound mesh' cmp a.ply b.ply
-refuses 1 "edges with one triangle); 'bitvox lod'" simplify holes.obj -o x.ply
-refuses 1 'between flipped triangles' simplify flipped.obj -o x.ply
-refuses 1 "'bitvox repair'" simplify flat.obj -o x.ply
+refuses 1 "edges with one triangle); 'bitvox lod'" simplify holes.obj -o x.ply --open refuse
+refuses 1 'between flipped triangles' simplify flipped.obj -o x.ply --open refuse
+refuses 1 "'bitvox repair'" simplify flat.obj -o x.ply --open refuse
+works_here 'simplify turns flipped triangles' s.ply simplify flipped.obj -o s.ply --triangles 2000 --samples 0
+
+# ---- sheets ----
+
+# A square of 8 x 8 cells with a hole, and the same with a wall on it.
+awk 'BEGIN { for (y = 0; y <= 8; y++) for (x = 0; x <= 8; x++) print "v", x, y, 0
+    for (y = 0; y < 8; y++) for (x = 0; x < 8; x++) if (x < 3 || x > 4 || y < 3 || y > 4) { a = 9 * y + x + 1; print "f", a, a + 1, a + 10, a + 9 } }' >sheet.obj
+awk '{ print } END { for (y = 0; y <= 8; y++) print "v", 2, y, 3; for (y = 0; y < 8; y++) print "f", 9 * y + 3, 9 * y + 12, 83 + y, 82 + y }' sheet.obj >wall.obj
+works 'simplify of a sheet' simplify sheet.obj -o s.ply --triangles 8 --even 0
+holds 'simplify of a sheet: it stays open' says '^ +0 +8 +8 .* met +but open, 8 border edges$'
+reports 'lod --open keep' 'r["levels"]["source"] == "mesh" and r["levels"]["input_border_edges"] == 40 and r["levels"]["refused_edges"] == 0 and
+not r["meshes"][0]["closed"] and r["meshes"][0]["manifold"] and r["meshes"][0]["oriented"] and r["meshes"][0]["boundary_edges"] == 8 and
+r["meshes"][0]["crossings"] == 0 and r["warnings"] == []' lod sheet.obj -o s.ply --triangles 8 --open keep
+why 'since it is open' sheet.obj --open shell
+warns 'sheets became shells: 8 edges have three triangles or more, or some that cannot agree, the first from (2, ' lod wall.obj -o s.ply --triangles 400 --samples 0 --open keep
+holds 'lod --open keep of three sheets: a shell' whole s.ply
+warns '8 edges of three triangles and more, or whose triangles cannot agree, were cut' lod wall.obj -o s.ply --triangles 12 --samples 0 --open cut
+refuses 1 'has three triangles' simplify wall.obj -o s.ply
+refuses 2 'a measured surface (--resolution) has none' lod sheet.obj -o s.ply --open keep --resolution 64
+refuses 2 'a measured surface (--source measured) has none' lod sheet.obj -o s.ply --open cut --source measured
+refuses 2 '--open is for --method collapse' lod sheet.obj -o s_%d.ply --open keep --method coverage
+rm -f s.ply
 refuses 2 'has no use for --resolution' simplify "$knot" -o x.ply --resolution 64
 refuses 1 'No such file' simplify missing.ply -o x.ply
 rm -f s.ply s_?.* a.ply b.ply
@@ -260,13 +282,13 @@ holds 'repair --triangles: told' says '^  collapsed   (2999|3000|299[0-9]) of [0
 works_here 'repair --error' r.ply repair holes.obj -o r.ply --resolution 64 --error 0.1%
 reports 'repair --triangles --json' 'r["simplify"]["met"] and r["simplify"]["triangles_before"] > 9000 and r["meshes"][0]["triangles"] <= 1000 and
 r["simplify"]["crossings"] == 0 and r["meshes"][0]["mean_distance"] > 0 and r["repair"]["mean_off_caps"] is None' repair "$knot" -o r.ply --resolution 64 --triangles 1000 --measure
-works 'repair --triangles --carry' repair coloured.obj -o r.obj --resolution 64 --triangles 1000 --carry
+warns 'ask for more --triangles' repair coloured.obj -o r.obj --resolution 64 --triangles 1000 --carry
 holds 'repair --triangles --carry: colours' grep -q -E '^v( [^ ]+){6}$' r.obj
 refuses 2 'exclude each other' repair "$knot" -o x.ply --triangles 10 --error 1
 refuses 2 '--error-kind needs --error' repair "$knot" -o x.ply --error-kind max
 works_here 'a cube that was flipped has 12 triangles again' r.ply repair cube.obj -o r.ply --resolution 64 --sharp --triangles 12
 works_here 'boolean --triangles' r.ply boolean union cube.obj two.obj -o r.ply --resolution 48 --triangles 300
-works_here 'boolean --error of grids' r.ply boolean xor "$knot" cube.obj -o r.ply --resolution 32 --error 1%
+works_here 'boolean --error of grids' r.ply boolean xor cube.obj two.obj -o r.ply --resolution 48 --error 1%
 refuses 2 'the result is a grid' boolean union cube.obj two.obj -o x.npy --triangles 300
 "$program" slice "$knot" -o knot.csv --spacing 0.2 --quiet
 run sections knot.csv -o r.ply --triangles 2000 --quiet

@@ -22,7 +22,7 @@ refuses() { # STATUS, WORDS, ARGUMENTS...: one line with these words, and no fil
     shift 2
     rm -f result.ply
     run repair "$@"
-    [ $status = "$want" ] && [ "$(wc -l <err)" = 1 ] && grep -q "$words" err && [ ! -e result.ply ]
+    [ $status = "$want" ] && [ "$(wc -l <err)" = 1 ] && grep -q -e "$words" err && [ ! -e result.ply ]
     result "refused ($want): $words" $?
 }
 
@@ -41,8 +41,31 @@ for sign in exact winding vote; do certified "sign $sign" holes.obj --resolution
 certified 'most triangles' "$knot" --resolution 64 --triangles 3000
 certified 'clean' holes.obj --resolution 48 --least-part 20 --least-cavity 20
 
+# A plate of a sixteenth of a voxel.
+awk 'BEGIN {
+    for (i = 0; i < 8; i++) print "v", i % 2 * 2, int(i / 2) % 2 * 2, int(i / 4) * 0.002
+    print "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6"
+}' >plate.obj
+certified 'thin plate' plate.obj --resolution 128 --thin keep
+run repair plate.obj -o result.ply --resolution 128 --thin keep --json
+[ $status = 0 ] && grep -q '"thin_components": 1, "thin_wall": 0.0018[0-9]*, "thin_resolution": 1[0-9]*, "thin_kept": true, "thin_box": ' out &&
+    grep -q '"volume_after": 0.008' out && grep -q '"warnings": \[\]' out
+result 'thin plate keeps its volume' $?
+# Half of it is a box, so that something is left without the plate.
+awk 'BEGIN {
+    for (i = 0; i < 8; i++) print "v", 3 + i % 2, int(i / 2) % 2 * 2, int(i / 4)
+    print "f 9 11 12\nf 9 12 10\nf 13 14 16\nf 13 16 15\nf 9 10 14\nf 9 14 13\nf 11 15 16\nf 11 16 12\nf 9 13 15\nf 9 15 11\nf 10 12 16\nf 10 16 14"
+}' >box.obj
+cat plate.obj box.obj >both.obj
+run repair both.obj -o result.ply --resolution 64 --thin drop
+[ $status = 0 ] && grep -q 'warning: walls thinner than 1.5 voxels are dropped .* of 1 components, in 0,0,.* keeps nine tenths of them' err
+result 'dropped walls are warned of' $?
+run repair both.obj -o result.ply --resolution 64 --thin keep
+[ $status = 0 ] && grep -q '^  thin .*: kept$' out && grep -q '; 2 components, volume 2.00[78]' out
+result 'kept walls are told' $?
+
 run repair flipped.obj -o result.ply --resolution 48 --measure --json
-grep -q '"repair": {"sign": "vote", "holes": 0,' out && grep -q '"mean_off_caps": ' out && grep -q '"volume_after": ' out
+grep -q '"repair": {"sign": "winding", .*"holes": 0,' out && grep -q '"mean_off_caps": ' out && grep -q '"volume_after": ' out
 result 'report for programs' $?
 run repair holes.obj -o result.ply --resolution 48 --measure
 grep -q '^  found       open' out && grep -q '^  holes  ' out && grep -q 'closed, manifold, oriented' out && grep -q '^  distance' out
@@ -57,6 +80,10 @@ result 'normals' $?
 refuses 2 'normals of triangles' "$knot" -o result.stl --normals
 
 refuses 1 'No such file' missing.ply -o result.ply
+"$program" repair "$knot" -o needed.ply --if-needed --json >needed.json 2>/dev/null && grep -q '"needs": "nothing", "copied": true' needed.json
+result 'a sound mesh is copied' $?
+certified 'parts are kept' "$knot" --resolution 24 --least-part 0
+refuses 2 '--sharp and --no-sharp exclude' "$knot" -o result.ply --sharp --no-sharp
 refuses 2 'no mesh format' "$knot" -o result.npy
 refuses 1 'shell of 1 voxels' "$knot" -o result.ply --shell 1
 refuses 2 'takes one of' "$knot" -o result.ply --interpolation round

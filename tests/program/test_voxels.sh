@@ -143,6 +143,9 @@ done
 # A hollow in a block: 16 x 16 x 16, less 4 x 4 x 4.
 for rule in parity vote regions; do sets 4032 nested.obj --spacing 1 --padding 2 --fill $rule; done
 sets 4096 nested.obj --spacing 1 --padding 2 --fill nonzero
+sets 4032 nested.obj --spacing 1 --padding 2
+reports 'auto keeps cavities and says why' 'r["solid"]["fill"] == "parity" and r["solid"]["reason"] == "nested" and len(r["warnings"]) == 1' \
+    voxelize nested.obj -o x.bvx --spacing 1 --padding 2
 # The flood leaves the hollow to the solid, but voxels of its surface vote: 4 x 4 x 4 less 2 x 2 x 2 stay empty.
 sets 4096 nested.obj --spacing 1 --padding 2 --fill flood
 reports 'regions are counted' 'r["solid"]["fill"] == "regions" and r["solid"]["regions"] == 3 and r["solid"]["mixed_regions"] == 0
@@ -277,86 +280,86 @@ refuses 1 'there are no faces' faces ground.obj -o x.ply
 
 # ---- refine ----
 
-works 'refine' refine "$knot" -o knot.vtu --levels 3
+works 'refine' refine "$knot" -o knot.vtu --halvings 3
 holds 'refine: a row a level' test "$(grep -c -E '^ +[0-3]  [0-9]+x[0-9]+x[0-9]+ ' out)" = 4
 holds 'refine: leaves and their share' says '^[0-9]+ leaves in place of [0-9]+ voxels of one size, [0-9.]+ %'
 holds 'refine: a .vtu' sh -c 'head -c 400 knot.vtu | grep -q "VTKFile.*UnstructuredGrid"'
-works 'refine on one thread' refine "$knot" -o again.vtu --levels 3 --threads 1
+works 'refine on one thread' refine "$knot" -o again.vtu --halvings 3 --threads 1
 holds 'refine: threads do not show' cmp knot.vtu again.vtu
 reports 'refine --json' 'r["octree"]["levels"] == 3 and max(r["octree"]["base"]) == 8 and max(r["lattice"]["dims"]) == 64 and len(r["octree"]["level"]) == 4
     and r["octree"]["leaves"] == r["octree"]["surface"] + r["octree"]["inside"] + r["octree"]["outside"]
     and all(a["split"] * 8 == b["voxels"] for a, b in zip(r["octree"]["level"], r["octree"]["level"][1:]))
-    and r["octree"]["level"][3]["split"] == 0 and r["octree"]["bytes"] > 0 and r["octree"]["uniform_voxels"] % 512 == 0 and "set" not in r' refine "$knot" -o x.vtu --levels 3
-works 'refine to a grid' refine "$knot" -o fine.bvx --levels 3 --expand 3
+    and r["octree"]["level"][3]["split"] == 0 and r["octree"]["bytes"] > 0 and r["octree"]["uniform_voxels"] % 512 == 0 and "set" not in r' refine "$knot" -o x.vtu --halvings 3
+works 'refine to a grid' refine "$knot" -o fine.bvx --halvings 3 --expand 3
 works 'the same surface at once' voxelize "$knot" -o direct.bvx --mode conservative --resolution 64
-works 'the refined surface' refine "$knot" -o surface.bvx --levels 3 --expand 3 --states surface
+works 'the refined surface' refine "$knot" -o surface.bvx --halvings 3 --expand 3 --states surface
 holds 'as many surface voxels as at once' test "$(set_of direct.bvx)" = "$(set_of surface.bvx)"
 works 'the same solid at once' voxelize "$knot" -o direct.bvx --fill flood --add-shell --resolution 64
 holds 'as many voxels as at once' test "$(set_of direct.bvx)" = "$(set_of fine.bvx)"
-works 'other bases, other levels' refine "$knot" -o again.bvx --base 16 --levels 2 --expand 2
+works 'other bases, other levels' refine "$knot" -o again.bvx --base 16 --halvings 2 --expand 2
 holds 'base and levels do not show in the voxels' test "$(set_of again.bvx)" = "$(set_of fine.bvx)"
-works 'the inside' refine "$knot" -o inner.bvx --levels 3 --expand 3 --states inside
-works 'the outside' refine "$knot" -o outer.bvx --levels 3 --expand 3 --states outside
-works 'all of it' refine "$knot" -o all.bvx --levels 3 --expand 3 --states outside,surface,inside
+works 'the inside' refine "$knot" -o inner.bvx --halvings 3 --expand 3 --states inside
+works 'the outside' refine "$knot" -o outer.bvx --halvings 3 --expand 3 --states outside
+works 'all of it' refine "$knot" -o all.bvx --halvings 3 --expand 3 --states outside,surface,inside
 run info all.bvx
 holds 'every voxel has a state' says ', 100 % of all$'
 holds 'every voxel has one state' test $(($(set_of inner.bvx) + $(set_of outer.bvx) + $(set_of surface.bvx))) = "$(set_of all.bvx)"
-works 'a lower level' refine "$knot" -o low.bvx --levels 3 --expand 1
+works 'a lower level' refine "$knot" -o low.bvx --halvings 3 --expand 1
 run info low.bvx
 holds 'it has its own lattice' says '^  dims +16 x '
-works 'no level at all' refine "$knot" -o flat.npy --levels 0 --base 20
+works 'no level at all' refine "$knot" -o flat.npy --halvings 0 --base 20
 run info flat.npy
 holds 'the base alone' says '^  dims +20 x '
-works 'a fine window' refine "$knot" -o window.bvx --levels 3 --expand 3 --window 8,8,8,40,40,16
+works 'a fine window' refine "$knot" -o window.bvx --halvings 3 --expand 3 --window 8,8,8,40,40,16
 works 'the window of the whole' convert fine.bvx -o part.bvx --window 8,8,8,40,40,16
 same 'a window is as fine as the whole' window.bvx part.bvx
-reports 'outside of it voxels are coarse' 'r["octree"]["level"][0]["surface"] > 0' refine "$knot" -o x.vtu --levels 3 --window 8,8,8,40,40,16
+reports 'outside of it voxels are coarse' 'r["octree"]["level"][0]["surface"] > 0' refine "$knot" -o x.vtu --halvings 3 --window 8,8,8,40,40,16
 reports 'or halved as often as asked for' 'r["octree"]["level"][0]["surface"] == r["octree"]["level"][1]["surface"] == 0 < r["octree"]["level"][2]["surface"]' \
-    refine "$knot" -o x.vtu --levels 3 --window 8,8,8,40,40,16 --outer-levels 2
-reports 'flat places are not halved' 'r["octree"]["level"][1]["surface"] + r["octree"]["level"][2]["surface"] > 0' refine "$knot" -o x.vtu --levels 3 --adaptive 0.05
-reports 'a hollow is inside' 'r["set"] == 16 ** 3 and r["octree"]["inside"] > 0 == r["octree"]["outside"]' refine nested.obj -o x.bvx --levels 2 --expand 2 --base 4
+    refine "$knot" -o x.vtu --halvings 3 --window 8,8,8,40,40,16 --outer-levels 2
+reports 'flat places are not halved' 'r["octree"]["level"][1]["surface"] + r["octree"]["level"][2]["surface"] > 0' refine "$knot" -o x.vtu --halvings 3 --adaptive 0.05
+reports 'a hollow is inside' 'r["set"] == 16 ** 3 and r["octree"]["inside"] > 0 == r["octree"]["outside"]' refine nested.obj -o x.bvx --halvings 2 --expand 2 --base 4
 rm -f x.*
 refuses 2 'no format that octrees are written to' refine "$knot" -o x.xyz
 refuses 2 'is a grid' refine fine.bvx -o x.vtu
-works 'refine to a mesh' refine "$knot" -o fine.ply --levels 3
+works 'refine to a mesh' refine "$knot" -o fine.ply --halvings 3
 run info fine.ply
 holds 'the mesh of the last level is closed' says '^  closed +yes$'
 works 'the mesh of its grid' lod fine.bvx -o l_%d.ply --levels 64 --samples 0
 run info l_0.ply
 holds 'it is the surface of the expanded grid' test "$(awk '$1 == "triangles" { print $2 }' out)" = "$("$program" info fine.ply | awk '$1 == "triangles" { print $2 }')"
-works 'refine --leaves' refine "$knot" -o leaves.ply --levels 2 --leaves
-reports 'a box a leaf' 'r["octree"]["triangles"] == 12 * (r["octree"]["surface"] + r["octree"]["inside"])' refine "$knot" -o x.ply --levels 2 --leaves
+works 'refine --leaves' refine "$knot" -o leaves.ply --halvings 2 --leaves
+reports 'a box a leaf' 'r["octree"]["triangles"] == 12 * (r["octree"]["surface"] + r["octree"]["inside"])' refine "$knot" -o x.ply --halvings 2 --leaves
 run info leaves.ply
 holds 'leaves have colours' says '^  colours +of vertices$'
 holds 'boxes are oriented' says '^  oriented +yes$'
-reports 'half of the leaves' '0 < r["octree"]["triangles"] < 12 * (r["octree"]["surface"] + r["octree"]["inside"])' refine "$knot" -o x.ply --levels 2 --leaves --cut z=0
-works 'leaves of a block' refine nested.obj -o blocks.ply --base 4 --levels 2 --leaves
+reports 'half of the leaves' '0 < r["octree"]["triangles"] < 12 * (r["octree"]["surface"] + r["octree"]["inside"])' refine "$knot" -o x.ply --halvings 2 --leaves --cut z=0
+works 'leaves of a block' refine nested.obj -o blocks.ply --base 4 --halvings 2 --leaves
 reports 'the volume of the leaves' 'abs(r["meshes"][0]["volume"] - 4096) < 1e-6' info blocks.ply
 rm -f x.*
 refuses 2 '--leaves makes a mesh' refine "$knot" -o x.vtu --leaves
 refuses 2 '--cut needs --leaves' refine "$knot" -o x.ply --cut z=0
-refuses 1 '--cut leaves nothing' refine "$knot" -o x.ply --levels 1 --leaves --cut z=-99
-refuses 1 'as boxes would take' refine "$knot" -o x.ply --levels 8 --leaves
+refuses 1 '--cut leaves nothing' refine "$knot" -o x.ply --halvings 1 --leaves --cut z=-99
+refuses 1 'as boxes would take' refine "$knot" -o x.ply --halvings 8 --leaves
 # ---- the base and the levels that follow from a resolution ----
 
 works 'refine --resolution' refine "$knot" -o auto.npy --resolution 64
-works 'refine --levels auto' refine "$knot" -o again.npy --resolution 64 --levels auto
+works 'refine --halvings auto' refine "$knot" -o again.npy --resolution 64 --halvings auto
 holds 'a resolution alone chooses the levels' cmp auto.npy again.npy
-works 'refine --resolution with levels' refine "$knot" -o again.npy --resolution 64 --levels 3
+works 'refine --resolution with levels' refine "$knot" -o again.npy --resolution 64 --halvings 3
 holds 'the choice does not show in the voxels' test "$(set_of auto.npy)" = "$(set_of again.npy)"
 reports 'the last level has at least the resolution' '300 <= max(r["lattice"]["dims"]) < 300 + 2 ** r["octree"]["levels"]' refine "$knot" -o x.vtu --resolution 300
-reports 'levels that are given' 'max(r["lattice"]["dims"]) == 304 and max(r["octree"]["base"]) == 19' refine "$knot" -o x.vtu --resolution 300 --levels 4
+reports 'levels that are given' 'max(r["lattice"]["dims"]) == 304 and max(r["octree"]["base"]) == 19' refine "$knot" -o x.vtu --resolution 300 --halvings 4
 reports 'windows are found in deep lattices' 'max(r["lattice"]["dims"]) == 65536 and max(r["octree"]["base"]) <= 128 and r["octree"]["level"][-1]["surface"] >= 0' \
     refine "$knot" -o x.bvx --resolution 65536 --window 1000,1000,1000,1100,1100,1100
 rm -f x.*
-refuses 2 'needs --resolution' refine "$knot" -o x.vtu --levels auto
+refuses 2 'needs --resolution' refine "$knot" -o x.vtu --halvings auto
 refuses 2 'contradict' refine "$knot" -o x.vtu --resolution 64 --base 8
-refuses 2 'or auto' refine "$knot" -o x.vtu --levels most
+refuses 2 'or auto' refine "$knot" -o x.vtu --halvings most
 
 # ---- octrees as files ----
 
-works 'refine to an octree' refine "$knot" -o tree.bvx --levels 3
-works 'refine to an octree on one thread' refine "$knot" -o again.bvx --levels 3 --threads 1
+works 'refine to an octree' refine "$knot" -o tree.bvx --halvings 3
+works 'refine to an octree on one thread' refine "$knot" -o again.bvx --halvings 3 --threads 1
 holds 'threads do not show in an octree' cmp tree.bvx again.bvx
 works 'info of an octree' info tree.bvx
 holds 'info tells a row a level' test "$(grep -c -E '^ +[0-3]  [0-9]+x[0-9]+x[0-9]+ ' out)" = 4
@@ -390,7 +393,7 @@ head -c 1000 tree.bvx >cut.bvx
 { head -c 300 tree.bvx; printf x; tail -c +302 tree.bvx; } >changed.bvx
 refuses 1 'the file ends before' info cut.bvx
 refuses 1 'is damaged, its checksum differs' convert changed.bvx -o x.vtu
-refuses 2 'is for meshes' refine tree.bvx -o x.vtu --levels 2
+refuses 2 'is for meshes' refine tree.bvx -o x.vtu --halvings 2
 refuses 2 'is for meshes' refine tree.bvx -o x.vtu --adaptive 1
 refuses 2 'is a grid' refine fine.bvx -o x.vtu
 refuses 2 'is for grids' refine tree.bvx -o x.vtu --window 0,0,0,8,8,8
@@ -437,7 +440,7 @@ refuses 2 'no grid format that is written' fill walls.bvx -o x.ply
 
 # ---- morph ----
 
-works 'a body to change' voxelize nested.obj -o body.bvx --resolution 32 --padding 4
+works 'a body to change' voxelize nested.obj -o body.bvx --resolution 32 --padding 4 --fill parity
 for action in dilate erode open close; do
     works "morph $action" morph $action body.bvx -o $action.bvx --neighbourhood 18 --steps 2
 done
@@ -448,9 +451,9 @@ inside 'what is closed is a part of what is dilated' close.bvx dilate.bvx
 works 'a ball of one voxel' morph dilate body.bvx -o ball.bvx --radius 0.5
 works 'neighbours across faces' morph dilate body.bvx -o cross.bvx
 same 'a ball of one voxel is a cross' ball.bvx cross.bvx
-works 'a mesh makes room for what is added' morph dilate nested.obj -o roomy.bvx --resolution 32 --radius 1.5
+works 'a mesh makes room for what is added' morph dilate nested.obj -o roomy.bvx --resolution 32 --radius 1.5 --fill parity
 holds 'three voxels on each side' says '^  dims +38 x 38 x 38$'
-works 'a body without room' voxelize nested.obj -o near.bvx --resolution 32 --padding 1
+works 'a body without room' voxelize nested.obj -o near.bvx --resolution 32 --padding 1 --fill parity
 warns "reaches the grid's sides" morph dilate near.bvx -o x.bvx --steps 2
 reports 'morph hollow' 'r["morph"]["action"] == "hollow" and r["morph"]["hollowed"] == r["morph"]["before"] - r["morph"]["after"] - r["morph"]["drained"] > 0
     and r["morph"]["drained"] > 4 and abs(r["morph"]["drain"][2] - 1.25) < 1e-9' \
@@ -476,16 +479,16 @@ refuses 2 'one of: 6, 18, 26' morph erode body.bvx -o x.bvx --neighbourhood 8
 # ---- what refine refuses ----
 
 refuses 2 '--expand is for grids' refine "$knot" -o x.vtu --expand 2
-refuses 2 'beyond the last level' refine "$knot" -o x.bvx --expand 4 --levels 3
-refuses 2 'beyond the last level' refine "$knot" -o x.bvx --levels 3 --expand 3 --window 0,0,0,9,9,9 --outer-levels 4
+refuses 2 'beyond the last level' refine "$knot" -o x.bvx --expand 4 --halvings 3
+refuses 2 'beyond the last level' refine "$knot" -o x.bvx --halvings 3 --expand 3 --window 0,0,0,9,9,9 --outer-levels 4
 refuses 2 '--outer-levels needs --window' refine "$knot" -o x.vtu --outer-levels 2
 refuses 2 'one or more of outside, inside, surface' refine "$knot" -o x.vtu --states inner
 refuses 2 'one or more of' refine "$knot" -o x.vtu --states inside,inside
 refuses 2 'one or more of' refine "$knot" -o x.vtu --states inside,
-refuses 2 'from 0 to 25' refine "$knot" -o x.vtu --levels 26
-refuses 1 'levels fit' refine "$knot" -o x.vtu --levels 25 --base 8
-refuses 1 'MiB' refine "$knot" -o x.bvx --levels 9 --expand 9 --base 16
-refuses 1 'limit' refine "$knot" -o x.vtu --levels 9 --memory-limit 20M
+refuses 2 'from 0 to 25' refine "$knot" -o x.vtu --halvings 26
+refuses 1 'levels fit' refine "$knot" -o x.vtu --halvings 25 --base 8
+refuses 1 'MiB' refine "$knot" -o x.bvx --halvings 9 --expand 9 --base 16
+refuses 1 'limit' refine "$knot" -o x.vtu --halvings 9 --memory-limit 20M
 
 # ---- real meshes ----
 
@@ -495,7 +498,7 @@ if [ -d "$meshes" ]; then
     same 'holes of the scan join all regions, so each voxel votes' bunny.bvx again.bvx
     works 'a real terrain' voxelize "$meshes/terrain_turbineSiting.stl.gz" -o terrain.bvx --fill below --base 900 --resolution 200
     holds 'a real terrain has columns' says '^  columns +[0-9]{5} under the surface$'
-    works 'open sheets, many in one voxel' refine "$meshes/motorBike.obj.gz" -o bike.bvx --base 16 --levels 3 --expand 3 --states surface
+    works 'open sheets, many in one voxel' refine "$meshes/motorBike.obj.gz" -o bike.bvx --base 16 --halvings 3 --expand 3 --states surface
     works 'the same at once' voxelize "$meshes/motorBike.obj.gz" -o again.bvx --mode conservative --resolution 128
     holds 'refined open sheets are those at once' test "$(set_of bike.bvx)" = "$(set_of again.bvx)"
 else

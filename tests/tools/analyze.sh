@@ -16,7 +16,7 @@ mkdir -p "$work"
 # analyzers follow one file and not what holds between numbers; what holds across files they are told in analyze_model.h.
 cat >"$work/known.txt" <<'END'
 cppcheck AssignmentIntegerToAddress src/section/trace_loops.c an entry of the table is a row of two, which is an address
-cppcheck arrayIndexThenCheck src/mesh/collapse.c two corners are compared, not an index and its limit
+cppcheck arrayIndexThenCheck src/simplify/corners.c two vertices are compared, not an index and its limit
 cppcheck ctuuninitvar src/mesh/closest.c a place for the result, set before it is read
 cppcheck ctuuninitvar src/mesh/closest_build.c a place for the tree, cleared first
 cppcheck ctuuninitvar src/voxelize/sampled.c the triangle's sides are set in the loop above
@@ -32,6 +32,7 @@ tidy bugprone-not-null-terminated-result src/io/png.c bytes of a file, no text
 tidy bugprone-not-null-terminated-result src/io/write_glb.c bytes of a file, no text
 tidy bugprone-not-null-terminated-result src/io/write_vox.c bytes of a file, no text
 tidy bugprone-signed-char-misuse src/io/read_ply.c a small number, no character
+clang core.BitwiseShift src/mesh/orient.c no exponent lies below the lowest of its axis
 clang core.BitwiseShift src/surface/cells.h at least one word is looked at
 clang core.BitwiseShift src/surface/face_rectangles.c a word is asked for only where the run meets it
 clang core.UndefinedBinaryOperatorResult src/section/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
@@ -136,6 +137,7 @@ stack_limits='
     sort_near_along_curve 16384 counts of three digits of a sort
     bvxi_touch_sampled    12288 a batch of triangles
     bvxi_touch_thin       12288 a batch of triangles
+    judge_neighbours      12288 neighbours of a star and the boxes of its triangles
     bvxi_radix_sort       12288 counts of eight digits of a sort
 '
 stack_deepest=81920

@@ -1,9 +1,13 @@
 #!/bin/sh
-# check_house.sh FOLDER - checks of the header, the sources and the built libraries; FOLDER holds the objects that they
-# were made from. Each check counts as one test.
+# check_house.sh [FOLDER] - checks of the header, the sources and the built libraries; FOLDER holds the objects that they
+# were made from; without it all is built first, as make is told to by its environment. Each check counts as one test.
 set -u
 : "${BUILD:=build}" "${CC:=cc}" "${MAKE_COMMAND:=make}"
-objects=$1
+objects=${1:-}
+if [ -z "$objects" ]; then
+    "$MAKE_COMMAND" --no-print-directory all >/dev/null || exit 1
+    objects=$("$MAKE_COMMAND" -s print-folder)
+fi
 work=$BUILD/house
 rm -rf "$work"
 mkdir -p "$work"
@@ -55,6 +59,18 @@ freestanding() {
     empty "$work/wanted.txt" 'the core needs'
 }
 
+# With this macro no object asks the compiler's runtime which processor it runs on.
+no_cpu_detection() {
+    needs nm
+    for flags in '' '-mavx2 -mbmi -mbmi2 -mpopcnt'; do
+        [ -z "$flags" ] || [ "$(uname -m)" = x86_64 ] || continue
+        # shellcheck disable=SC2086
+        $CC -std=c99 -Wall -Wextra -Werror $flags -DBVX_NO_CPU_DETECTION -Iinclude -Isrc -c src/core/cpu.c -o "$work/cpu.o" || return 1
+        nm -u "$work/cpu.o" | grep cpu >"$work/cpu.txt"
+        empty "$work/cpu.txt" 'without detection cpu.c needs' || return 1
+    done
+}
+
 # Functions without a result that a machine could change, and without work that could fail, are named here.
 plain='bvx_arithmetic_fault bvx_context_cpu bvx_context_create_version bvx_context_destroy bvx_context_threads bvx_format_of_name
     bvx_grid_bound bvx_last_message bvx_memory_peak bvx_memory_reset_peak bvx_memory_used bvx_status_text bvx_version'
@@ -73,12 +89,12 @@ every_function_proven() {
     empty "$work/unproven.txt" 'unproven functions'
 }
 
-# heap.c and openmp.c are the files named for the C library's heap and for OpenMP; the fast paths need intrinsics.
+# heap.c is the file named for the C library's heap, threads.c and processors.c for the system; the fast paths need intrinsics.
 includes() {
     # shellcheck disable=SC2086
     grep -n -E '^[[:space:]]*#[[:space:]]*include[[:space:]]*<' $core_files |
         grep -v -E '<(stddef|stdint|string|stdarg|math|immintrin|arm_neon)\.h>' |
-        grep -v -E '^src/core/heap\.c:[0-9]+:#include <stdlib\.h>|^src/core/openmp\.c:[0-9]+:#include <omp\.h>' \
+        grep -v -E '^src/core/heap\.c:[0-9]+:#include <stdlib\.h>|^src/core/(threads|processors)\.c:' \
             >"$work/includes.txt"
     empty "$work/includes.txt" 'forbidden include'
 }
@@ -197,6 +213,7 @@ check 'amalgamation' amalgamation
 check 'contracted products are refused' contraction_is_refused
 check 'core compiles for Windows' compiles_for_windows
 check 'core is freestanding' freestanding
+check 'no processor detection where it is turned off' no_cpu_detection
 check 'core includes' includes
 check 'case table is what its generator prints' tables_as_generated
 check 'file names are unique' file_names_unique

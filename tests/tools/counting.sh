@@ -78,7 +78,7 @@ add_counts() { # NAME, LOG, EXIT STATUS, SECONDS
     set -- $(counts_of "$add_log")
     if [ $# = 0 ] || [ $(($1 + $2 + $3)) = 0 ]; then
         case $add_status in
-        124) fail "$add_name: stopped after $add_seconds s" "$add_log" ;;
+        124 | 137 | 152) fail "$add_name: stopped after $add_seconds s" "$add_log" ;;
         *) fail "$add_name: ended with status $add_status and no count of tests" "$add_log" ;;
         esac
         return
@@ -113,9 +113,12 @@ add_script() { # NAME, LOG, EXIT STATUS
     if [ "$2" = 0 ] && [ "$add_status" != 0 ]; then fail "$add_name: ended with status $add_status"; fi
 }
 
-# No test may hang for ever.
-limit=
-if command -v timeout >/dev/null 2>&1; then limit="timeout ${TEST_SECONDS:-300}"; fi
+# No test may hang for ever: $limit stands before a command that could.
+allow() { # SECONDS of processor time
+    allowed=$1
+    limit="sh tests/tools/limited.sh $1"
+}
+allow "${TEST_SECONDS:-300}"
 
 # Sets $spent: processor seconds of all that the script has run so far. Other work on the machine does not change them much.
 count_spent() {

@@ -37,7 +37,6 @@ src/io/soup.c | triangle_count + s->waiting > INT32_MAX | 2^31 triangles
 src/io/write_ply.c | vertex_count > INT32_MAX | 2^31 vertices
 src/io/write_vtu.c | v.count >= (uint64_t)1 << 28 | 2^28 leaves
 src/lattice/lattice.c | log2 < 30 | no side is longer than 2^30: the shift is kept defined whatever is asked
-src/mesh/collapse.c | corners > INT32_MAX | 2^31 corners
 src/refine/refine_level.c | next->count >= (uint64_t)1 << 28 | 2^28 octets
 src/refine/refine_start.c | voxels >= UINT32_MAX | 2^32 surface voxels
 src/refine/refine_start.c | words > SIZE_MAX / 8 | 32-bit machines alone

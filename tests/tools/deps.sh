@@ -4,9 +4,9 @@
 # Does nothing when all is there. Without root or apt it names what is missing; the tests then skip those parts and say so. Never removes a package: the cross compilers and gcc-multilib exclude each other, and gcc-multilib stays.
 set -u
 
-packages='python3-venv python3-dev libcmocka-dev clang zlib1g-dev locales pkg-config qemu-user
+packages='python3-venv python3-dev libcmocka-dev clang cmake zlib1g-dev locales pkg-config qemu-user
     gcc-i686-linux-gnu libc6-dev-i386-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross'
-proof='clang-19 llvm llvm-19 libclang-rt-19-dev libomp-dev g++ gcovr abigail-tools cppcheck clang-tidy
+proof='ninja-build clang-19 llvm llvm-19 libclang-rt-19-dev g++ gcovr abigail-tools cppcheck clang-tidy
     gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross
     gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-powerpc64le-linux-gnu libc6-dev-ppc64el-cross
     musl-tools gcc-mingw-w64-x86-64 wine64 wine emscripten nodejs gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm'

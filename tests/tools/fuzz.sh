@@ -32,7 +32,7 @@ command -v llvm-symbolizer >/dev/null 2>&1 || echo "llvm-symbolizer is missing (
 
 # ---- build ----
 
-mk() { "$MAKE_COMMAND" --no-print-directory -j "$(getconf _NPROCESSORS_ONLN)" CC=clang CFLAGS="$flags" OPENMP=0 BUILD="$out/build" "$@"; }
+mk() { "$MAKE_COMMAND" --no-print-directory -j "$(getconf _NPROCESSORS_ONLN)" CC=clang CFLAGS="$flags" THREADS=0 BUILD="$out/build" "$@"; }
 folder=$(mk print-folder)
 mk "$folder/libbitvox.a" >"$out/build.log" 2>&1 || {
     tail -n 20 "$out/build.log"

@@ -16,7 +16,6 @@ set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BUILD:=build}" "${MAKE_COMMAND:=make}"
 unset MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES CC CFLAGS CPPFLAGS LDFLAGS
-export OMP_WAIT_POLICY=passive # more threads than processors would only wait for one another
 jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 matrix=$BUILD/matrix
 logs=$matrix/logs
@@ -111,7 +110,7 @@ row() { # NAME, RUNNER, MAKE SETTINGS..., [-- ARGUMENTS OF GOLDEN...]
 }
 
 static='LDFLAGS=-static'
-bare='OPENMP=0 ZLIB=0 WERROR=1'
+bare='THREADS=0 ZLIB=0 WERROR=1'
 
 # This machine: compilers, levels of optimisation, threads.
 # A distribution's own -std would lose against the house's; there the house's is taken away.
@@ -135,7 +134,7 @@ row portable '' CC=gcc CFLAGS=-O3 WERROR=1 -- --portable
 row avx2 '' CC=gcc CFLAGS=-O3 WERROR=1 -- --avx2
 row flushed-avx2 '' CC=gcc CFLAGS=-O3 WERROR=1 -- --flush --threads 1 --avx2
 row flushed-portable '' CC=clang CFLAGS=-O3 WERROR=1 -- --flush --threads 1 --portable
-row plain-c '' CC=musl-gcc 'CFLAGS=-O2 -U__GNUC__' $static OPENMP=0 ZLIB=0
+row plain-c '' CC=musl-gcc 'CFLAGS=-O2 -U__GNUC__' $static THREADS=0 ZLIB=0
 row musl '' CC=musl-gcc CFLAGS=-O2 $static $bare
 
 # Other processors, statically linked, under emulators; 32-bit x86 runs by itself on most x86 machines.
@@ -153,7 +152,7 @@ row s390x qemu-s390x CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 $st
 # Other systems.
 export WINEDEBUG=-all WINEPREFIX="${WINEPREFIX:-$(cd "$matrix" && pwd)/wine}"
 row windows wine CC=x86_64-w64-mingw32-gcc AR=x86_64-w64-mingw32-ar CFLAGS=-O2 $static $bare SUFFIX=.exe
-row wasm node CC=emcc AR=emar CFLAGS=-O2 'LDFLAGS=-O1 -sNODERAWFS=1 -sSINGLE_FILE=1 -sALLOW_MEMORY_GROWTH=1' OPENMP=0 ZLIB=0
+row wasm node CC=emcc AR=emar CFLAGS=-O2 'LDFLAGS=-O1 -sNODERAWFS=1 -sSINGLE_FILE=1 -sALLOW_MEMORY_GROWTH=1' THREADS=0 ZLIB=0
 
 # No system at all; its table is one line, which bare.sh compares with the stored one.
 if asked cortex-m3; then check cortex-m3 sh tests/tools/bare.sh; fi

@@ -41,7 +41,7 @@ src/voxelize/touch_batch.h | id != NULL | lists of triangles are for several til
 '
 
 out=$(cd "$BUILD/mcdc" && pwd)
-mk() { "$MAKE_COMMAND" --no-print-directory -j "$(getconf _NPROCESSORS_ONLN)" CC=clang-19 OPENMP=0 \
+mk() { "$MAKE_COMMAND" --no-print-directory -j "$(getconf _NPROCESSORS_ONLN)" CC=clang-19 THREADS=0 \
     'CFLAGS=-O1 -fprofile-instr-generate -fcoverage-mapping -fcoverage-mcdc' BUILD="$out/build" UNITY_DIR="$UNITY_DIR" "$@"; }
 folder=$(mk print-folder)
 goals=

@@ -1,6 +1,6 @@
 /* more_threads.h - included before all by the thread sanitizer's build: a test's context of one thread gets four that take the
- * pieces of every parallel step by turns, so that pieces that race are seen to race however busy the machine is (OpenMP may
- * give all of them to one thread). Contexts that ask for more threads themselves keep OpenMP's, or their own parallel-for; those
+ * pieces of every parallel step by turns, so that pieces that race are seen to race however busy the machine is (the
+ * library may give all of them to one thread). Contexts that ask for more threads keep its own, or their parallel-for; those
  * with a progress callback stay as they are, for tests that count its calls. */
 #ifndef MORE_THREADS_H
 #define MORE_THREADS_H

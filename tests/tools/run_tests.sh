@@ -1,17 +1,18 @@
 #!/bin/sh
-# run_tests.sh full|quick|san|memory|threads|machines - build and run the tests; the last line is "N passed, N failed[, N skipped]".
+# run_tests.sh quick|here|other|san|memory|threads|machines - build and run the tests; the last line is "N passed, N failed[, N skipped]".
 #     quick  this compiler alone: unit, fault, golden, program, examples, checks of sources and libraries
-#     full   quick, and: the Python package in a clean environment; golden values by other compilers and flags, readers fuzzed under sanitizers,
-#            unit tests and golden values on 32-bit x86 and, without the longest tests, on big-endian s390x
+#     here   quick, and the Python package in a clean environment
+#     other  what this machine and compiler do not show: golden values by other compilers and flags, faults and fuzzed readers under
+#            sanitizers, unit tests and golden values on 32-bit x86 and, without the longest tests, on big-endian s390x
 #     machines  all unit tests and golden values on 32-bit x86 and on big-endian s390x (half an hour under an emulator)
 #     san    unit, fault and fuzz tests under ASan, UBSan and the leak detector
 #     memory   unit, golden and fuzz tests under clang's MSan, on one thread: memory that is read before it is written
-#     threads  unit, golden and fuzz tests under clang's TSan with libomp and archer, on several threads, but for tests that count progress calls
-#              (gcc's libgomp is not instrumented and gives false reports; cmocka is not, so fault tests stay out of both)
+#     threads  unit, golden and fuzz tests under clang's TSan on several threads, but for tests that count progress calls
+#              (cmocka is not instrumented, so fault tests stay out)
 # Called by make, which hands over compiler and flags. A row is one build of the library and the tests run with it.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
-tier=${1:-full}
+tier=${1:-here}
 : "${BUILD:=build}" "${MAKE_COMMAND:=make}" "${CC:=cc}"
 export BUILD CC
 unset MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES
@@ -26,7 +27,6 @@ export MSAN_OPTIONS=exit_code=1:allocator_may_return_null=1 # its own exit code,
 export TSAN_OPTIONS=ignore_noninstrumented_modules=1:allocator_may_return_null=1
 export CMOCKA_MESSAGE_OUTPUT=TAP
 # Threads that spin at the end of a step take the processor from the tests beside them: half of the time of some.
-export OMP_WAIT_POLICY=passive
 
 mk() { "$MAKE_COMMAND" --no-print-directory -k -j "$jobs" "$@"; }
 
@@ -40,25 +40,26 @@ compiles() { # COMPILER AND FLAGS..., program on standard input
 long_tests='test_below test_cast test_collapse test_field test_field_dense test_field_signs test_flood test_lod test_nearest
     test_nearest_parts test_polygon test_read_obj test_read_ply test_refine test_refine_children test_refine_parts test_regions
     test_render_cut test_render_paint test_seeds test_sharp test_solid_exact test_solid_same test_vote test_winding
-    test_winding_loose test_blocks test_weld test_render test_repair test_repair_defects test_boolean test_levels test_simplify'
+    test_winding_loose test_blocks test_weld test_render test_repair test_repair_defects test_boolean test_levels test_simplify
+    test_simplify_cells'
 left_out=
 
 # ---- Rows: each is make with its settings ----
 
 row_native() { mk "$@"; }
-row_plain() { mk CFLAGS=-O0 OPENMP=0 ZLIB=0 WERROR=1 "$@"; }
+row_plain() { mk CFLAGS=-O0 THREADS=0 ZLIB=0 WERROR=1 "$@"; }
 row_fast() { mk CFLAGS=-O3 WERROR=1 "$@"; }
 row_clang() { mk CC=clang CFLAGS=-O3 WERROR=1 "$@"; }
 row_san() { mk CFLAGS="-O1 -g $sanitizers" "$@"; }
 row_memory() {
-    mk CC=clang OPENMP=0 ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=memory -fsanitize-memory-track-origins' "$@"
+    mk CC=clang THREADS=0 ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=memory -fsanitize-memory-track-origins' "$@"
 }
 row_threads() {
     mk CC=clang ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=thread' CPPFLAGS='-include tests/tools/more_threads.h' "$@"
 }
-row_i686() { mk CC="$i686" AR="$i686_ar" CFLAGS=-O2 LDFLAGS=-static OPENMP=0 ZLIB=0 WERROR=1 "$@"; }
+row_i686() { mk CC="$i686" AR="$i686_ar" CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"; }
 row_s390x() {
-    mk CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 LDFLAGS=-static OPENMP=0 ZLIB=0 WERROR=1 "$@"
+    mk CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"
 }
 
 build() { # ROW, GOALS...: sets $folder
@@ -83,17 +84,31 @@ programs_of() { # KIND: in $folder, but for those left out
     done
 }
 
-run_kind() { # ROW, KIND, RUNNER, PROGRAM ARGUMENTS...
+# As many programs at a time as there are processors, then their lines in their order.
+run_kind() { # ROW, KIND, RUNNER
+    kind_names=
     for source in tests/"$2"/*.c; do
-        program=$folder/${source%.c}
-        kind_name=$1/$2/$(basename "$source" .c)
-        case " $left_out " in *" $(basename "$source" .c) "*) continue ;; esac
-        if [ ! -f "$source" ]; then continue; fi
-        if [ ! -x "$program" ]; then
-            fail "$kind_name: was not built"
-            continue
+        name=$(basename "$source" .c)
+        case " $left_out " in *" $name "*) continue ;; esac
+        if [ -f "$source" ]; then kind_names="$kind_names $name"; fi
+    done
+
+    # shellcheck disable=SC2086
+    for name in $kind_names; do
+        rm -f "$(log_of "$1/$2/$name").end"
+        if [ -x "$folder/tests/$2/$name" ]; then
+            echo "$(log_of "$1/$2/$name") $allowed $3 $folder/tests/$2/$name"
         fi
-        count "$kind_name" $3 "$program"
+    done | xargs -P "$jobs" -L 1 sh tests/tools/logged.sh
+
+    for name in $kind_names; do
+        kind_log=$(log_of "$1/$2/$name")
+        if [ -f "$kind_log.end" ]; then
+            # shellcheck disable=SC2046
+            add_counts "$1/$2/$name" "$kind_log" $(cat "$kind_log.end")
+        else
+            fail "$1/$2/$name: was not built"
+        fi
     done
 }
 
@@ -155,7 +170,7 @@ sanitized() { # ROW, REPORT, DEFECT, INPUTS OF EACH FUZZ PROGRAM
         return
     fi
     export BVX_QUICK=1
-    limit=${limit:+timeout 1800}
+    allow 1800
     runner=
     if has setarch && setarch "$(uname -m)" -R true 2>/dev/null; then runner="setarch $(uname -m) -R"; fi
     build "$1" test-programs sanitizer-probe
@@ -177,33 +192,45 @@ run_examples() {
     done
 }
 
-# Scripts get the program in BITVOX; they count their own checks or stand for one by their exit status.
+# Scripts get the program in BITVOX; they count their own checks or stand for one by their exit status. They run beside each other,
+# on a copy of the program, since one of them makes and installs it anew.
 run_program() {
-    export BITVOX="$BUILD/bitvox"
+    mkdir -p "$BUILD/tested"
+    cp -f "$BUILD/bitvox" "$BUILD/tested/bitvox"
+    BITVOX=$BUILD/tested/bitvox
+    export BITVOX
     for script in tests/program/*.sh tests/program/*.py; do
-        if [ ! -f "$script" ]; then continue; fi
-        case $script in
-        *.sh) run="sh $script" ;;
-        *) run="python3 $script" ;;
-        esac
-        if ! has "${run%% *}"; then
-            skip "program/$(basename "$script")" "${run%% *} is missing"
-            continue
-        fi
         program_log=$(log_of "program/$(basename "$script")")
-        start=$(date +%s)
-        $limit $run >"$program_log" 2>&1 </dev/null
-        status=$?
-        if [ -n "$(counts_of "$program_log")" ]; then
-            add_counts "program/$(basename "$script")" "$program_log" $status $(($(date +%s) - start))
-        elif [ $status = 77 ]; then
-            skip "program/$(basename "$script")" "$(tail -n 1 "$program_log")"
-        elif [ $status = 0 ]; then
-            pass "program/$(basename "$script")"
-        else
-            fail "program/$(basename "$script")" "$program_log"
-        fi
+        rm -f "$program_log.end"
+        case $script in
+        *.sh) interpreter=sh ;;
+        *) interpreter=python3 ;;
+        esac
+        if [ -f "$script" ] && has $interpreter; then echo "$program_log $allowed $interpreter $script"; fi
+    done | xargs -P "$jobs" -L 1 sh tests/tools/logged.sh
+
+    for script in tests/program/*.sh tests/program/*.py; do
+        if [ -f "$script" ]; then count_script "program/$(basename "$script")"; fi
     done
+}
+
+count_script() { # NAME
+    script_log=$(log_of "$1")
+    if [ ! -f "$script_log.end" ]; then
+        skip "$1" "its interpreter is missing"
+        return
+    fi
+
+    read -r status seconds <"$script_log.end"
+    if [ -n "$(counts_of "$script_log")" ]; then
+        add_counts "$1" "$script_log" "$status" "$seconds"
+    elif [ "$status" = 77 ]; then
+        skip "$1" "$(tail -n 1 "$script_log")"
+    elif [ "$status" = 0 ]; then
+        pass "$1"
+    else
+        fail "$1" "$script_log"
+    fi
 }
 
 # The Python package, built and installed in a clean virtual environment; most of the time goes into pip.
@@ -212,7 +239,7 @@ run_python() {
     export BITVOX
     python_log=$(log_of python)
     start=$(date +%s)
-    ${limit:+timeout ${PYTHON_SECONDS:-1500}} sh tests/tools/test_python.sh >"$python_log" 2>&1 </dev/null
+    sh tests/tools/limited.sh "${PYTHON_SECONDS:-1500}" sh tests/tools/test_python.sh >"$python_log" 2>&1 </dev/null
     status=$?
     if [ $status = 77 ]; then
         skip python "$(tail -n 1 "$python_log")"
@@ -242,8 +269,10 @@ tests_here() {
     run_golden native '' --threads 8
     run_examples
     run_program
+}
+
+checks_of_house() {
     sh tests/tools/check_house.sh "$native" >"$(log_of checks)" 2>&1 </dev/null
-    add_script checks "$(log_of checks)" $?
 }
 
 tests_of_other_compilers() {
@@ -309,20 +338,31 @@ fi
 case $tier in
 quick)
     tests_here
+    checks_of_house
+    add_script checks "$(log_of checks)" $?
     ;;
-full)
-    # The rows of other machines and compilers run beside the rest; their lines come when they have ended.
+here)
+    tests_here
+    # Most of the checks compile, most of the package's time is spent waiting for downloads.
+    checks_of_house &
+    checks=$!
+    trap 'kill $checks 2>/dev/null; exit 130' INT TERM
+    run_python
+    wait $checks
+    add_script checks "$(log_of checks)" $?
+    ;;
+other)
+    # The rows of other machines and compilers run beside the sanitizers; their lines come when they have ended.
     machines=$(log_of machines)
     sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
     sh tests/tools/run_tests.sh beside >"$machines" 2>&1 </dev/null &
     beside=$!
     trap 'kill $beside 2>/dev/null; exit 130' INT TERM
-    tests_here
-    run_python
     BVX_QUICK=1
     export BVX_QUICK
     run_fault san
     run_fuzz san ''
+    check 'projects that use CMake' sh tests/tools/packaging.sh quick
     wait $beside
     add_script "other machines" "$machines" $?
     ;;
@@ -331,7 +371,7 @@ machines | beside)
     mkdir -p "$logs"
     sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
     if [ $tier = machines ]; then
-        limit=${limit:+timeout 1800}
+        allow 1800
         tests_of_other_machines whole
     else
         tests_of_other_machines brief
@@ -350,9 +390,8 @@ memory)
     sanitized memory 'use-of-uninitialized-value' memory 300
     ;;
 threads)
-    if ! echo '#include <omp.h>
-int main(void) { return omp_get_max_threads() < 1; }' | compiles clang -fopenmp -fsanitize=thread; then
-        skip threads "clang has no OpenMP or no thread sanitizer (Debian: clang libomp-dev)"
+    if ! echo 'int main(void) { return 0; }' | compiles clang -pthread -fsanitize=thread; then
+        skip threads "clang has no thread sanitizer (Debian: clang)"
         finish
         exit
     fi

@@ -279,10 +279,15 @@ static void test_bvx_parts_refuse(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_slices(ctx, &g, NULL));
     TEST_ASSERT_NULL(b.bytes);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_head(ctx, &l, NULL, &whole));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_head(ctx, &l, NULL, &whole));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_slices(ctx, &g, &whole));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, BVX_FORMAT_BVX, &whole));
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "file holds bytes"));
+    TEST_ASSERT_TRUE(whole.capacity > 0);
+    {
+        bvx_buffer foreign = {whole.bytes, 1, 0};
+
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_head(ctx, &l, NULL, &foreign));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_slices(ctx, &g, &foreign));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_grid(ctx, &g, BVX_FORMAT_BVX, &foreign));
+        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "file brings bytes"));
+    }
     bvx_buffer_free(ctx, &whole);
     bvx_grid_free(ctx, &g);
 }

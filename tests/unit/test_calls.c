@@ -18,7 +18,7 @@ enum {
     BODY = 1024, BYTES = 2048, IMAGE = 4096, SECOND = 8192, SLOT = 16384, RESERVED = 32768,
     INNER = 65536 /* a message may name the public function that the call makes in its turn */
 };
-/* Into what it writes; what is in use already is refused for all but PLAIN. */
+/* Into what it writes. */
 enum { PLAIN, TO_GRID, TO_MESH, TO_BUFFER, TO_TREE, TO_FIELD, TO_SECTIONS, TO_IMAGE, TO_VOLUME, TO_CLOSEST };
 
 typedef union result {
@@ -265,7 +265,7 @@ static bvx_status boolean(const world *w)
 {
     TAKE_OPTIONS(boolean, o);
     o.resolution = 8;
-    TAKE_RESERVED(o.reserved[1]);
+    TAKE_RESERVED(o.reserved[0]);
     return bvx_boolean(w->ctx, w->mesh, w->mesh, BVX_BOOLEAN_UNION, &o, (bvx_mesh *)w->out);
 }
 static bvx_status build_lods(const world *w)
@@ -309,7 +309,7 @@ static bvx_status plan_levels(const world *w)
 static bvx_status build_levels(const world *w)
 {
     TAKE_OPTIONS(levels, o);
-    TAKE_RESERVED(o.reserved[3]);
+    TAKE_RESERVED(o.reserved[2]);
     return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }
 static bvx_status write_mesh(const world *w) { return bvx_write_mesh(w->ctx, w->body, BVX_FORMAT_PLY, (bvx_buffer *)w->out); }
@@ -317,9 +317,9 @@ static bvx_status write_mesh_with(const world *w)
 {
     TAKE_OPTIONS(write, o);
     o.normals = 1;
-    TAKE_RESERVED(o.reserved);
     return bvx_write_mesh_with(w->ctx, w->body, &o, BVX_FORMAT_OBJ, (bvx_buffer *)w->out);
 }
+static bvx_status check_written(const world *w) { return bvx_check_written(w->ctx, w->body, 1, BVX_FORMAT_STL, (bvx_write_report *)w->out); }
 static bvx_status write_levels(const world *w) { return bvx_write_levels(w->ctx, w->body, 1, BVX_FORMAT_GLB, (bvx_buffer *)w->out); }
 static bvx_status write_grid(const world *w) { return bvx_write_grid(w->ctx, w->grid, BVX_FORMAT_BVX, (bvx_buffer *)w->out); }
 static bvx_status write_octree(const world *w) { return bvx_write_octree(w->ctx, w->tree, 0, BVX_FORMAT_BVX, (bvx_buffer *)w->out); }
@@ -409,7 +409,8 @@ static const call calls[] = {
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS), CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(mesh_simplify, MESH | OPTIONS | RESERVED, TO_MESH), CALL(plan_levels, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(write_mesh, BODY, TO_BUFFER), CALL(write_mesh_with, BODY | OPTIONS | RESERVED, TO_BUFFER),
+    CALL(write_mesh, BODY, TO_BUFFER), CALL(write_mesh_with, BODY | OPTIONS, TO_BUFFER),
+    CALL(check_written, BODY, PLAIN),
     CALL(write_levels, BODY, TO_BUFFER), CALL(write_grid, GRID, TO_BUFFER), CALL(write_octree, TREE, TO_BUFFER),
     CALL(write_field, FIELD, TO_BUFFER), CALL(write_lattice, GRID, TO_BUFFER), CALL(write_head, LATTICE, TO_BUFFER),
     CALL(write_slices, GRID, TO_BUFFER), CALL(write_sections, SECTIONS, TO_BUFFER), CALL(write_png, IMAGE, TO_BUFFER),
@@ -583,7 +584,7 @@ static int do_damage(const call *c, int damage, world *w)
     case NO_SECOND: w->second = NULL; return (takes & SECOND) != 0;
     case USED_OUT:
         memset(out.plain, 0x40, sizeof out);
-        return c->to == TO_BUFFER || c->to == TO_TREE || c->to == TO_FIELD || c->to == TO_IMAGE || c->to == TO_SECTIONS;
+        return c->to == TO_FIELD || c->to == TO_SECTIONS; /* not zeroed and not the library's: owned is neither 0 nor 1 */
     case OPTIONS_SIZE: w->wrong_size = 1; return (takes & OPTIONS) != 0;
     case OPTIONS_RESERVED: w->wrong_reserved = 1; return (takes & RESERVED) != 0;
     case NO_MESH: w->mesh = NULL; return (takes & MESH) != 0;
@@ -777,17 +778,18 @@ static void test_choices_out_of_range(void)
         BAD_SURFACE(extract_field_surface, field_surface), BAD(extract_field_surface, field_surface, interpolation, 99),
         BAD(extract_field_surface, field_surface, interpolation, -1), BAD_SWITCH(extract_field_surface, field_surface, sharp),
         BAD_SURFACE(boolean, boolean), BAD(boolean, boolean, fill, 99), BAD(boolean, boolean, interpolation, 99),
-        BAD_SWITCH(boolean, boolean, sharp), BAD(build_lods, lod, method, 9), BAD(build_lods, lod, method, -1),
+        BAD_SWITCH(boolean, boolean, keep_crumbs), BAD(boolean, boolean, sharp, 2), BAD(boolean, boolean, sharp, -2), BAD(build_lods, lod, method, 9), BAD(build_lods, lod, method, -1),
         BAD(build_lods, lod, edge_samples, -1), BAD(build_lods, lod, threshold, (double)NAN), BAD_SURFACE(build_lods, lod),
         BAD(build_lods, lod, collapse, -1), BAD(build_sections, sections, layers, -1), BAD(build_sections, sections, caps, 9),
         BAD(build_sections, sections, crossings, 9), BAD(build_sections, sections, depth, -1), BAD(build_sections, sections, depth, 99),
         BAD(build_sections, sections, position_type, 9), BAD(build_sections, sections, spacing, -1), BAD(slice_mesh, slice, label, BVX_LABEL_ONLY),
         BAD_SURFACE(repair, repair), BAD(repair, repair, sign, 99), BAD(repair, repair, sign, -1), BAD(repair, repair, sign, BVX_SIGN_NORMAL),
-        BAD(repair, repair, interpolation, 99), BAD_SWITCH(repair, repair, sharp), BAD_SWITCH(repair, repair, measure),
+        BAD(repair, repair, interpolation, 99), BAD(repair, repair, sharp, 2), BAD(repair, repair, sharp, -2), BAD_SWITCH(repair, repair, measure), BAD_SWITCH(repair, repair, keep_crumbs), BAD_SWITCH(repair, repair, if_needed),
         BAD(repair, repair, shell, 0.5), BAD(repair, repair, shell, (double)NAN), BAD(repair, repair, shell, 1e7),
         BAD(mesh_simplify, simplify, error_kind, 2), BAD(mesh_simplify, simplify, error_kind, -1), BAD(mesh_simplify, simplify, position_type, 9),
         BAD(mesh_simplify, simplify, even, -1), BAD(mesh_simplify, simplify, even, 1.5), BAD(mesh_simplify, simplify, even, (double)NAN),
-        BAD_SWITCH(mesh_simplify, simplify, strict), BAD(mesh_simplify, simplify, reserved0, 1), BAD(plan_levels, levels, source, 9),
+        BAD_SWITCH(mesh_simplify, simplify, strict), BAD(mesh_simplify, simplify, open, 3), BAD(mesh_simplify, simplify, open, -1),
+        BAD(build_levels, levels, open, 3), BAD(build_levels, levels, open, -1), BAD(build_levels, levels, reserved0, 1), BAD(plan_levels, levels, source, 9),
         BAD(plan_levels, levels, resolution, -1), BAD(build_levels, levels, error_kind, 2), BAD(build_levels, levels, position_type, 9),
         BAD(build_levels, levels, even, -1), BAD(build_levels, levels, even, (double)NAN), BAD_SWITCH(build_levels, levels, strict),
         BAD(build_levels, levels, source, 9), BAD(build_levels, levels, source, -1), BAD(build_levels, levels, resolution, -1),

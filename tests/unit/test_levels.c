@@ -217,6 +217,8 @@ static void all_defects(int32_t resolution, int32_t sharp)
         for (int32_t which = 0; which < (defect_kinds[kind].any_shape ? DEFECT_SHAPES : 1); which++) {
             static const uint64_t targets[2] = {900, 120};
             bvx_levels_options o = defaults();
+            bvx_certificate before;
+            bvx_mesh_view view;
             char name[120];
             defect_begin(&shape, which, &seed, resolution);
             defect_kinds[kind].make(&shape, &seed);
@@ -231,6 +233,9 @@ static void all_defects(int32_t resolution, int32_t sharp)
             check_levels(name, targets, 2, 0, -1);
             TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_LEVELS_MEASURED, found.source, where);
             TEST_ASSERT_TRUE_MESSAGE(report[0].met, where);
+            view = maker_view(&mesh);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &before));
+            TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, &found.repair.before, sizeof before, where);
             TEST_ASSERT_EQUAL_UINT64_MESSAGE(o.sharp == 1 ? found.triangles : found.repair.after.triangles, found.triangles, where);
             memset(&mesh, 0, sizeof mesh);
         }

@@ -53,7 +53,7 @@ static void test_write_grid_refuses(void)
     uint64_t word = 1;
     uint8_t byte;
     bvx_grid good = {0}, g;
-    bvx_buffer b = {0}, full = {&byte, 1, 1};
+    bvx_buffer b = {0}, full = {&byte, 1, 0};
     good.words = &word;
     good.word_capacity = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &good.lattice));

@@ -353,7 +353,9 @@ static void test_xyz_refuses(void)
     expect_refused(BVX_ERR_ARGUMENT, bvx_read_points(ctx, "1 2 3", 5, BVX_FORMAT_XYZ, NULL), "points is NULL");
     TEST_ASSERT_NULL(m.positions);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, READ("1 2 3"));
-    expect_refused(BVX_ERR_ARGUMENT, READ("1 2 3"), "holds arrays already");
+    m.owned = 0; /* as if they were the caller's */
+    expect_refused(BVX_ERR_ARGUMENT, READ("1 2 3"), "brings arrays");
+    m.owned = 1;
 #undef READ
     bvx_mesh_free(ctx, &m);
 }

@@ -62,8 +62,46 @@ static void test_csl_by_hand(void)
     TEST_ASSERT_EQUAL_DOUBLE(4.0, s.points[3 * 7]);
 }
 
+static const char drum[] = "CSLC\n2 2\n1 8 2 0 0 1 -1\n0 0 1 4 0 1 4 4 1 0 4 1 1 1 1 3 1 1 3 3 1 1 3 1\n4 1 0 1 2 3\n4h0 %d 4 5 6 7\n"
+                           "2 8 2 0 0 1 -3\n0 0 3 4 0 3 4 4 3 0 4 3 1 1 3 3 1 3 3 3 3 1 3 3\n4h1 %d 4 5 6 7\n4 1 0 1 2 3\n";
+
+/* A hole bounds the body around it whatever its own label, and the body of that label. */
+static void test_csl_holes_belong_to_what_is_around_them(void)
+{
+    static const struct {
+        int label, loops, of_one, of_other;
+    } cases[] = {{1, 4, 4, 0}, {0, 4, 4, 0}, {2, 6, 4, 2}};
+    char text[400];
+    for (int i = 0; i < 3; i++) {
+        int of_one = 0, of_other = 0;
+        snprintf(text, sizeof text, drum, cases[i].label, cases[i].label);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, read_text(text, BVX_FORMAT_CSL));
+        TEST_ASSERT_EQUAL_UINT64(cases[i].loops, s.loop_count);
+        TEST_ASSERT_EQUAL_UINT64(16, s.point_count);
+        for (uint64_t l = 0; l < s.loop_count; l++) {
+            of_one += s.loops[l].label == 1;
+            of_other += s.loops[l].label == 2;
+            TEST_ASSERT_EQUAL_UINT32(4, s.loops[l].point_count);
+            TEST_ASSERT_EQUAL_INT32(0, s.loops[l].reserved);
+        }
+        TEST_ASSERT_EQUAL_INT(cases[i].of_one, of_one);
+        TEST_ASSERT_EQUAL_INT(cases[i].of_other, of_other);
+    }
+}
+
+static void test_csl_has_a_byte_order_mark(void)
+{
+    char text[400];
+    snprintf(text, sizeof text, "\xef\xbb\xbf%s", csl);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, read_text(text, BVX_FORMAT_CSL));
+    TEST_ASSERT_EQUAL_UINT64(2, s.section_count);
+}
+
 static void test_csl_refusals(void)
 {
+    refuse("CSLC\n1 2\n1 3 1 0 0 1 7\n0 0 1 1 0 1 1 1 1\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "line 3: the plane's points do not lie where");
+    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3h1 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "a hole lies in loop 1, which");
+
     refuse("", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "line 1: the file does not begin with CSLC");
     refuse("CSLC\n1 2\n1 3 1 0 0 0 1\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "line 3: the plane's normal has no length");
     refuse("CSLC\n0 2\n", BVX_FORMAT_CSL, BVX_ERR_EMPTY, "no loop");
@@ -325,6 +363,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_csl_by_hand);
+    RUN_TEST(test_csl_holes_belong_to_what_is_around_them);
+    RUN_TEST(test_csl_has_a_byte_order_mark);
     RUN_TEST(test_csl_refusals);
     RUN_TEST(test_csv_by_hand);
     RUN_TEST(test_csv_of_many_sections);

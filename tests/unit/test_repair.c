@@ -107,6 +107,24 @@ static void test_holes_are_closed(void)
 }
 
 /* A third of the ball is missing: the lid over it is flat. */
+/* Two balls that overlap stay one body whichever way a triangle faces. */
+static void test_a_flipped_triangle_leaves_overlaps_whole(void)
+{
+    double const at[3] = {0, 0, 0}, beside[3] = {2, 0, 0};
+    double right;
+    make_ball(at, 2);
+    make_ball(beside, 2);
+    right = repair_volume(64, BVX_SIGN_AUTO);
+    TEST_ASSERT_EQUAL_UINT64(0, report.turned);
+    maker_flip(&mesh, 7, 8);
+    TEST_ASSERT_EQUAL_DOUBLE(right, repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_INT32(BVX_SIGN_WINDING, report.sign);
+    TEST_ASSERT_EQUAL_UINT64(1, report.turned);
+    maker_remove(&mesh, 200);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * right, right, repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_UINT64(1, report.turned);
+}
+
 static void test_wide_hole_gets_a_lid(void)
 {
     double const at[3] = {0, 0, 0};
@@ -131,7 +149,8 @@ static void test_flipped_triangles_do_not_matter(void)
     for (size_t i = 0; i < mesh.triangles; i++)
         if (maker_below(&seed, 3) == 0) maker_flip(&mesh, i, i + 1);
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_SIGN_AUTO));
-    TEST_ASSERT_EQUAL_INT32(BVX_SIGN_VOTE, report.sign);
+    TEST_ASSERT_EQUAL_INT32(BVX_SIGN_WINDING, report.sign);
+    TEST_ASSERT_TRUE(report.turned > mesh.triangles / 4);
 }
 
 static void test_duplicates_count_once(void)
@@ -369,7 +388,9 @@ static void test_bad_options(void)
     o.sharp = 2, assert_refused(&o, BVX_ERR_ARGUMENT, "sharp"), o = defaults(16);
     o.resolution = 0, assert_refused(&o, BVX_ERR_ARGUMENT, "resolution"), o = defaults(16);
     o.measure = 1, o.measure_samples = 0, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"), o = defaults(16);
-    o.reserved[1] = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
+    o.reserved[0] = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
+    o.reserved0 = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
+    o.thin = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "thin"), o = defaults(16);
     o.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"), o = defaults(16);
     o.least_part = 1000000, assert_refused(&o, BVX_ERR_EMPTY, "least_part"), o = defaults(16);
     o.target_triangles = 2, assert_refused(&o, BVX_ERR_RANGE, "at most 2");
@@ -419,6 +440,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_closed_mesh_keeps_its_volume);
     RUN_TEST(test_holes_are_closed);
+    RUN_TEST(test_a_flipped_triangle_leaves_overlaps_whole);
     RUN_TEST(test_wide_hole_gets_a_lid);
     RUN_TEST(test_flipped_triangles_do_not_matter);
     RUN_TEST(test_duplicates_count_once);

@@ -691,7 +691,7 @@ static void test_bad_loops_are_refused(void)
     refuse(BVX_ERR_EMPTY, "loop 1 of section 1 has 2 different points");
     two_squares();
     stack.loop[1].point_count = 0;
-    refuse(BVX_ERR_EMPTY, "has 0 different points");
+    refuse(BVX_ERR_EMPTY, "has 1 different point;");
     two_squares();
     for (int i = 4; i < 8; i++) { /* all on one line */
         stack.point[3 * i] = i;

@@ -135,7 +135,8 @@ static void open_table(void)
     memset(table.facing, 0, mesh.vertices * sizeof *table.facing);
     for (size_t v = 0; v < mesh.vertices; v++) memcpy(table.at[v].p, mesh.p + 3 * v, 24);
     for (size_t t = 0; t < mesh.triangles; t++) memcpy(table.triangle[t].vertex, mesh.t + 3 * t, 12);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvxi_corners_connect(ctx, "test", &table), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvxi_corners_connect(ctx, "test", &table, BVXI_BORDERS_REFUSED),
+                                    bvx_last_message(ctx));
 }
 
 static void close_table(void)
@@ -152,7 +153,8 @@ static void assert_connected(void)
     bvxi_corners fresh = table;
     fresh.triangle = maker_grow(NULL, (size_t)table.triangles * sizeof *fresh.triangle);
     for (uint64_t t = 0; t < table.triangles; t++) memcpy(fresh.triangle[t].vertex, table.triangle[t].vertex, 12);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvxi_corners_connect(ctx, "test", &fresh), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvxi_corners_connect(ctx, "test", &fresh, BVXI_BORDERS_REFUSED),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(table.triangles, table.left);
     TEST_ASSERT_EQUAL_INT(0, memcmp(fresh.triangle, table.triangle, (size_t)table.triangles * sizeof *fresh.triangle));
     free(fresh.triangle);

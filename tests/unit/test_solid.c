@@ -58,7 +58,7 @@ static void test_report_by_hand(void)
     TEST_ASSERT_EQUAL_UINT64(2 * 2 * 3, r.crossings);
     TEST_ASSERT_EQUAL_UINT64(0, r.unbalanced_rows);
     TEST_ASSERT_EQUAL_UINT64(0, r.dropped);
-    for (int i = 0; i < 4; i++) TEST_ASSERT_EQUAL_UINT64(0, r.reserved[i]);
+    for (int i = 0; i < 3; i++) TEST_ASSERT_EQUAL_UINT64(0, r.reserved[i]);
     TEST_ASSERT_EQUAL_UINT64(4 * 2 * 3, set_voxels(&g));
     bvx_grid_free(ctx, &g);
     maker_remove(&mesh, 3); /* one triangle of the face at x = 6 */
@@ -294,7 +294,7 @@ static void test_refusals_of_arguments(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, NULL, &l, NULL, &untouched));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &v, NULL, NULL, &untouched));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &v, &l, NULL, NULL));
-    o.fill = 7;
+    o.fill = 8;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &v, &l, &o, &untouched));
     o.fill = -1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &v, &l, &o, &untouched));

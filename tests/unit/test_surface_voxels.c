@@ -194,7 +194,7 @@ static void test_refuses_what_it_cannot_do(void)
     bvx_surface_options o;
     bvx_attached attached = {0};
     bvx_mesh_view view;
-    uint64_t offset = 0;
+    uint32_t lone = 0;
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     for (int32_t mode = -1; mode <= 3; mode += 4) {
@@ -211,7 +211,7 @@ static void test_refuses_what_it_cannot_do(void)
     assert_refused(&view, &l, &o, BVX_ERR_RANGE, "window");
     bvx_surface_options_init(&o, sizeof o);
     o.attached = &attached;
-    attached.offsets = &offset;
+    attached.triangles = &lone;
     assert_refused(&view, &l, &o, BVX_ERR_ARGUMENT, "attached");
     bvx_surface_options_init(&o, sizeof o);
     for (int32_t mode = 0; mode < MODES; mode++) {

@@ -199,6 +199,8 @@ static void test_closed_meshes_are_nonzero(void)
         a = solid_by(ctx, &l, NULL, BVX_FILL_NONZERO, &r);
         b = solid_by(ctx, &l, NULL, BVX_FILL_WINDING, &s);
         assert_same_bits(&a, &b, "closed");
+        TEST_ASSERT_EQUAL_INT32(BVX_FILL_WINDING, s.fill);
+        s.fill = r.fill;
         TEST_ASSERT_EQUAL_MEMORY(&r, &s, sizeof r);
         bvx_grid_free(ctx, &b);
         bvx_grid_free(ctx, &a);

@@ -221,7 +221,7 @@ static void test_write_levels_refuses(void)
     static const int32_t others[] = {BVX_FORMAT_STL, BVX_FORMAT_OBJ, BVX_FORMAT_PLY, BVX_FORMAT_OFF, BVX_FORMAT_PNG, 0, 99};
     bvx_buffer none = {0};
     uint8_t byte = 0;
-    bvx_buffer full = {&byte, 1, 1};
+    bvx_buffer full = {&byte, 1, 0};
     make_levels();
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
         check_no_levels(level, 3, others[i], BVX_ERR_UNSUPPORTED, "write one file a level");

@@ -9,7 +9,7 @@ static bvx_buffer write_normals(const bvx_mesh *m, int32_t format)
     bvx_write_options o;
     bvx_buffer b = {0};
     bvx_write_options_init(&o, sizeof o);
-    TEST_ASSERT_TRUE(o.struct_size == sizeof o && o.normals == 0 && o.reserved == 0);
+    TEST_ASSERT_TRUE(o.struct_size == sizeof o && o.normals == 0 && o.rounding == BVX_ROUNDING_REFUSE);
     o.normals = 1;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b), bvx_last_message(ctx));
     TEST_ASSERT_TRUE(b.size > 0 && b.size <= b.capacity);
@@ -203,7 +203,7 @@ static void test_write_normals_refuses(void)
     bvx_mesh m = square();
     bvx_write_options o;
     uint8_t byte = 0;
-    bvx_buffer none = {0}, full = {&byte, 1, 1};
+    bvx_buffer none = {0}, full = {&byte, 1, 0};
     struct {
         bvx_write_options known;
         int64_t later;
@@ -222,9 +222,9 @@ static void test_write_normals_refuses(void)
     o.normals = 2;
     check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "options.normals is 2");
     o.normals = 1;
-    o.reserved = 1;
-    check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "options.reserved is not zero");
-    o.reserved = 0;
+    o.rounding = 3;
+    check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "options.rounding is 3");
+    o.rounding = 0;
     o.struct_size = 3;
     check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "options carry the size 3");
     memset(&newer, 0, sizeof newer);

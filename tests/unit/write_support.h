@@ -64,6 +64,17 @@ static inline bvx_buffer write_file(const bvx_mesh *m, int32_t format)
     return b;
 }
 
+/* Whatever rounding to floats does to it. */
+static inline bvx_buffer write_rounded(const bvx_mesh *m, int32_t format)
+{
+    bvx_write_options o;
+    bvx_buffer b = {0};
+    bvx_write_options_init(&o, sizeof o);
+    o.rounding = BVX_ROUNDING_ALLOW;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b), bvx_last_message(ctx));
+    return b;
+}
+
 /* Write, free the buffer, read what was written. */
 static inline bvx_mesh write_and_read(const bvx_mesh *m, int32_t format)
 {

@@ -6,6 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from conftest import box_mesh
+
 import bitvox
 from bitvox import Grid, Lattice
 
@@ -154,6 +156,19 @@ def test_boolean_is_that_of_the_grids():
         mesh = bitvox.boolean(A, B, operation, lattice=lattice)
         assert bitvox.voxelize(mesh, lattice=lattice) == want
         assert (mesh.report.voxels_a, mesh.report.voxels_b, mesh.report.voxels) == (a.count, b.count, want.count)
+
+
+def test_boolean_fits_its_lattice_and_says_how_it_filled():
+    half = box_mesh((3, -5000, -5000), (10000, 5000, 5000))
+    part = box_mesh((0, 0, 0), (8, 6, 4))
+    mesh = bitvox.boolean(part, half, "difference", resolution=64, sharp=True)
+    assert abs(mesh.check().volume - 72) < 0.5 and mesh.report.few == 0
+    assert (mesh.report.solid_a.fill, mesh.report.solid_b.fill_reason) == ("parity", "sound")
+
+    mesh = bitvox.boolean(part, box_mesh((1, 1, 1), (2, 2, 2)), "difference", resolution=64)
+    assert (mesh.report.few, mesh.report.advised_resolution) == (2, 512)
+    with pytest.raises(bitvox.EmptyError, match="take a resolution of"):
+        bitvox.boolean(part, half, "union", resolution=64)
 
 
 def test_boolean_refusals_and_emptiness():

@@ -159,3 +159,31 @@ def test_picture(ball, tmp_path):
     assert (tmp_path / "a.png").read_bytes()[1:4] == b"PNG"
     with pytest.raises(bitvox.ArgumentError):
         bitvox.render(ball, size=(20, 20)).save(tmp_path / "a.jpg")
+
+
+def far_ball(ball):
+    return bitvox.Mesh(np.asarray(ball.vertices, np.float64) / 50 + [600000, 5000000, 0], ball.faces)
+
+
+def test_what_floats_would_spoil_is_refused(ball, tmp_path):
+    far = far_ball(ball)
+    with pytest.raises(bitvox.RangeError, match="32-bit floats move vertices"):
+        far.save(tmp_path / "far.stl")
+    assert os.listdir(tmp_path) == []
+    far.save(tmp_path / "far.ply")
+    far.save(tmp_path / "near.stl", origin=(600000, 5000000, 0))
+    near = bitvox.read(tmp_path / "near.stl").check(weld=True)
+    assert near.closed and near.vertices == ball.n_vertices and abs(near.low[1]) < 10
+    assert bitvox.read(tmp_path / "far.ply").check().low[1] > 4e6
+
+
+def test_the_report_of_a_format_is_that_of_its_file(ball, tmp_path):
+    far = far_ball(ball)
+    report = far.check_written("stl")
+    assert not report.fits and report.spoilt > 0 and report.merged > 0 and report.largest_move > 0.1
+    far.save(tmp_path / "far.stl", allow_rounding=True)
+    assert bitvox.read(tmp_path / "far.stl").check(weld=True) == report.file
+    assert far.check_written("ply").file == far.check() and far.check_written("ply").fits
+    assert far.check_written("stl", origin=(600000, 5000000, 0)).fits
+    with pytest.raises(bitvox.ArgumentError, match="origin is for meshes"):
+        bitvox.dumps(bitvox.Grid.from_numpy(ball_grid(8)), "npy", origin=(0, 0, 0))

@@ -55,6 +55,45 @@ def test_simplify_keeps_flat_faces():
         assert box.report.met and box.report.target == 12 and box.report.least_angle == pytest.approx(45, abs=0.01)
 
 
+def sheet(n=12):
+    """A wavy square of n x n cells, two triangles each."""
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0)))
+    a = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    faces = np.concatenate([np.stack([a, a + 1, a + n + 2], 1), np.stack([a, a + n + 2, a + n + 1], 1)])
+    return bitvox.Mesh(np.stack([x, y, np.sin(x / 3) + np.cos(y / 4)], 1), faces)
+
+
+def test_sheets_stay_open():
+    for level in (bitvox.simplify(sheet(), triangles=60), sheet().simplify(triangles=60, open="keep"),
+                  bitvox.lod(sheet(), triangles=60, open="keep")[0], bitvox.lod(sheet(), triangles=60, open="cut")[0]):
+        found = level.check()
+        assert level.n_faces <= 60 and not found.closed and found.euler == 1 and found.boundary_edges >= 4
+        assert found.edge_manifold and found.vertex_manifold and found.oriented
+        assert level.report.certificate.boundary_edges == found.boundary_edges and level.report.crossings == 0
+    assert bitvox.lod(sheet(), triangles=60, open="keep").report.source == "mesh"
+    shell = bitvox.lod(sheet(), triangles=400)
+    assert shell.report.source == "measured" and certified(shell[0]).closed
+    with pytest.raises(bitvox.ArgumentError, match="closed"):
+        bitvox.simplify(sheet(), triangles=60, open="refuse")
+    for call, open in ((bitvox.simplify, "shell"), (bitvox.lod, "refuse"), (bitvox.lod, 1)):
+        with pytest.raises(bitvox.ArgumentError, match="keep, cut"):
+            call(sheet(), triangles=60, open=open)
+
+
+def test_joints_are_told_and_cut():
+    flat, n = sheet(), 13
+    wall = np.concatenate([np.asarray(flat.vertices), np.asarray(flat.vertices)[6::n] + (0, 0, 5)])
+    low, high = np.arange(12) * n + 6, n * n + np.arange(12)
+    faces = np.concatenate([np.asarray(flat.faces), np.stack([low, low + n, high + 1], 1), np.stack([low, high + 1, high], 1)])
+    mesh = bitvox.Mesh(wall, faces)
+    kept = bitvox.lod(mesh, triangles=600, open="keep")
+    assert kept.report.source == "measured" and kept.report.refused_edges == 12 and kept.report.refused_edge[0][0] == 6
+    cut = bitvox.lod(mesh, triangles=60, open="cut")
+    assert cut.report.source == "mesh" and cut[0].check().edge_manifold and cut[0].check().components == 3
+    with pytest.raises(bitvox.ArgumentError, match="three triangles"):
+        mesh.simplify(triangles=60)
+
+
 def test_simplify_gives_a_mesh_or_a_list(knot):
     one = bitvox.simplify(knot, triangles=2000)
     assert isinstance(one, bitvox.Mesh) and one.n_faces <= 2000 and one.vertices.dtype == knot.vertices.dtype
@@ -114,7 +153,7 @@ def test_meshes_that_simplify_refuses(ball):
     turned = bitvox.Mesh(ball.vertices, np.concatenate((np.asarray(ball.faces)[:1, ::-1], np.asarray(ball.faces)[1:])))
     for mesh, words in ((torn, "edge .*bitvox.repair"), (turned, "edge .*bitvox.repair")):
         with pytest.raises(bitvox.ArgumentError, match=words):
-            mesh.simplify(triangles=100)
+            mesh.simplify(triangles=100, open="refuse")
         for level in bitvox.lod(mesh, triangles=(200, 60)):
             certified(level)
     with pytest.raises(bitvox.EmptyError):

@@ -25,24 +25,25 @@ def program(*arguments):
 VOLUME = [bitvox.Volume.surface, bitvox.read_volume]
 OF_VOLUMES = {"range": bitvox.Volume.threshold, "label": bitvox.Volume.label, "sample-type": "dtype", "big-endian": "dtype", "skip": "offset",
               "voxel-size": "spacing"}
+OF_MESHES = {"output-origin": bitvox.write}
 # Options of the program that a function of Python has under another name, or that are functions or methods of their own.
 NAMES = {
     "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, *VOLUME], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills,
-                                                            "all-labels": bitvox.Volume.labels, **OF_VOLUMES}),
-    "lod": ([bitvox.lod, *VOLUME], {"source": "made_from", "no-sharp": "sharp", "normals": bitvox.write, **OF_VOLUMES}),
-    "simplify": ([bitvox.simplify], {"normals": bitvox.write}),
-    "repair": ([bitvox.repair], {"normals": bitvox.write}),
-    "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "leaves": bitvox.Octree.leaves, "cut": None}),
-    "sections": ([bitvox.from_sections, bitvox.read], {"block-model": None, "block": None}),
+                                                            "all-labels": bitvox.Volume.labels, **OF_MESHES, **OF_VOLUMES}),
+    "lod": ([bitvox.lod, *VOLUME], {"source": "made_from", "no-sharp": "sharp", "normals": bitvox.write, **OF_MESHES, **OF_VOLUMES}),
+    "simplify": ([bitvox.simplify], {"normals": bitvox.write, **OF_MESHES}),
+    "repair": ([bitvox.repair], {"normals": bitvox.write, "no-sharp": "sharp", **OF_MESHES}),
+    "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "leaves": bitvox.Octree.leaves, "cut": None, "halvings": "levels", **OF_MESHES}),
+    "sections": ([bitvox.from_sections, bitvox.read], {"block-model": None, "block": None, **OF_MESHES}),
     "slice": ([bitvox.slice_mesh], {}),
-    "faces": ([bitvox.faces, bitvox.voxelize, *VOLUME], {"origin": "corner", **OF_VOLUMES}),
+    "faces": ([bitvox.faces, bitvox.voxelize, *VOLUME], {"origin": "corner", **OF_MESHES, **OF_VOLUMES}),
     "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets], {"seed": "seeds", "add-shell": bitvox.Grid.__or__}),
     "components": ([bitvox.Grid.components, bitvox.Grid.keep], {"seed": "seeds", "keep-largest": "largest", "fill-cavities": bitvox.Grid.fill_cavities,
                                                                "labels": bitvox.Grid.label}),
     "compare": ([bitvox.compare], {}),
     "morph": ([bitvox.Grid.dilate, bitvox.Grid.hollow, bitvox.Grid.distance, bitvox.voxelize], {"origin": "corner", "value-type": "dtype"}),
-    "boolean": ([bitvox.boolean], {"spacing": bitvox.Lattice, "resample": bitvox.Grid.resample}),
-    "convert": ([bitvox.read, bitvox.dumps, *VOLUME], {"expand": bitvox.Octree.expand, **OF_VOLUMES}),
+    "boolean": ([bitvox.boolean], {"spacing": bitvox.Lattice, "resample": bitvox.Grid.resample, "no-sharp": "sharp", **OF_MESHES}),
+    "convert": ([bitvox.read, bitvox.dumps, *VOLUME], {"expand": bitvox.Octree.expand, **OF_MESHES, **OF_VOLUMES}),
     "info": ([bitvox.read], {"crossings": bitvox.Mesh.crossings}),
     "render": ([bitvox.render, *VOLUME], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
                                  "expand": bitvox.Octree.expand, "turntable": None, **OF_VOLUMES}),
@@ -108,11 +109,11 @@ def test_simplify(tmp_path, options):
 def test_render_faces_refine(tmp_path):
     program("render", KNOT, "-o", tmp_path / "a.png", "--size", "200x150", "--cut", "z=0", "--from", "1,2,3")
     assert bitvox.render(KNOT, size=(200, 150), cut={"z": 0.0}, from_=(1, 2, 3)).png() == (tmp_path / "a.png").read_bytes()
-    program("refine", KNOT, "-o", tmp_path / "a.vtu", "--levels", "3", "--states", "surface")
+    program("refine", KNOT, "-o", tmp_path / "a.vtu", "--halvings", "3", "--states", "surface")
     assert bitvox.dumps(bitvox.refine(KNOT, levels=3), "vtu", states="surface") == (tmp_path / "a.vtu").read_bytes()
 
 
-@pytest.mark.parametrize("options", [{}, {"sharp": True}, {"shell": 3, "least_part": 5, "interpolation": "vector", "sign": "vote"}, {"triangles": 800},
+@pytest.mark.parametrize("options", [{}, {"sharp": True}, {"shell": 3, "least_part": 5, "interpolation": "vector", "sign": "vote"}, {"triangles": 800}, {"thin": "drop"},
                                      {"error": "0.2%"}])
 def test_repair(tmp_path, options):
     program("repair", KNOT, "-o", tmp_path / "a.ply", "--resolution", 60, *words_of(options))
@@ -143,7 +144,8 @@ def test_slice_and_sections(tmp_path, options):
 
 @pytest.mark.parametrize("options", [{"resolution": 100}, {"resolution": 100, "levels": 3}, {"base": 5, "levels": 4, "adaptive": 0.01}])
 def test_refine(tmp_path, options):
-    program("refine", KNOT, "-o", tmp_path / "a.bvx", *[w for name, value in options.items() for w in ("--" + name, value)])
+    names = {"levels": "halvings"}
+    program("refine", KNOT, "-o", tmp_path / "a.bvx", *[w for name, value in options.items() for w in ("--" + names.get(name, name), value)])
     assert bitvox.dumps(bitvox.refine(KNOT, **options), "bvx") == (tmp_path / "a.bvx").read_bytes()
 
 

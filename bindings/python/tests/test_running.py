@@ -225,13 +225,15 @@ def test_forked_child_works_alone():
         import os, signal, bitvox
         mesh = ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
         from bitvox._run import Run, lib
-        expected = bitvox.voxelize(mesh, resolution=200, threads=2).content_hash()   # OpenMP's threads are there now
+        expected = bitvox.voxelize(mesh, resolution=200, threads=2).content_hash()
         child = os.fork()
         if child == 0:
             signal.alarm(60)
             ok = bitvox.voxelize(mesh, resolution=200, threads=2).content_hash() == expected
-            with Run(threads=8) as run:
+            with Run() as run:
                 ok = ok and lib.bvx_context_threads(run.context) == 1
+            with Run(threads=8) as run:
+                ok = ok and lib.bvx_context_threads(run.context) == 8
             os._exit(0 if ok else 3)
         assert os.waitpid(child, 0)[1] == 0
         with Run(threads=8) as run:

@@ -50,6 +50,26 @@ def test_fills_agree_on_closed_meshes(ball, fill):
     assert grid == bitvox.voxelize(ball, resolution=30)
 
 
+def test_fill_auto_takes_what_suits_and_says_why():
+    def joined(*boxes):
+        return np.concatenate([b[0] for b in boxes]), np.concatenate([b[1] + 8 * i for i, b in enumerate(boxes)])
+
+    large, small, crossing = box_mesh((0, 0, 0), (8, 8, 8)), box_mesh((2, 2, 2), (4, 4, 4)), box_mesh((4, 2, 2), (12, 6, 6))
+    for mesh, fill, reason, count in ((large, "parity", "sound", 512), (joined(large, small), "parity", "nested", 504),
+                                      (joined(large, crossing), "nonzero", "overlap", 512 + 64)):
+        grid = bitvox.voxelize(mesh, spacing=1.0)
+        assert (grid.report.fill, grid.report.fill_reason, grid.report.turned, grid.count) == (fill, reason, 0, count)
+
+    vertices, faces = joined(large, crossing)
+    faces = faces.copy()
+    faces[12:] = faces[12:, ::-1]  # one of them inside out
+    grid = bitvox.voxelize((vertices, faces), spacing=1.0)
+    assert (grid.report.fill, grid.report.turned, grid.count) == ("nonzero", 12, 512 + 64)
+
+    grid = bitvox.voxelize((large[0], large[1][:-1]), spacing=1.0)
+    assert (grid.report.fill, grid.report.fill_reason) == ("winding", "open")
+
+
 def test_fill_below():
     v = np.array([[0.0, 0, 2], [8, 0, 2], [8, 8, 2], [0, 8, 2]])
     sheet = (v, [[0, 1, 2], [0, 2, 3]])

@@ -221,7 +221,7 @@ def field(
         half_width: of the band: centres so near to the mesh have a value [largest spacings]; 0 or infinity: all centres.
         sign: what decides that a centre is inside: "exact" (as fill "parity"), "winding" (holes and overlaps), "vote" (holes
             and flipped triangles), "pseudonormal", "normal" (the side of the closest place or triangle), "none", or "auto":
-            exact for closed meshes, else vote where triangles are flipped, else winding.
+            inside is what fill "auto" has inside.
         dtype: of the values, float32 or float64 (the program's ``--value-type``).
         vectors: keep the vectors to the closest points, which `Field.surface` uses.
         features: keep the closest triangles and where on them the points lie.

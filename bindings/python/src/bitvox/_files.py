@@ -165,8 +165,9 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     raise UnsupportedError(f"format {format!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}")
 
 
-def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, normals: bool = False, threads: int | None = None,
-          memory_limit: int | None = None, progress: Progress = None) -> bytes:
+def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, normals: bool = False,
+          origin: Any = None, allow_rounding: bool = False, threads: int | None = None, memory_limit: int | None = None,
+          progress: Progress = None) -> bytes:
     """The bytes of a file.
 
     Args:
@@ -176,9 +177,12 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         vectors: of a field: vectors in place of signed distances.
         normals: of a mesh's ply or obj: also smooth normals of the vertices, averaged by area over sharp edges too; glb has them
             always, stl and off are refused.
+        origin: of a mesh: (x, y, z) that is taken from all positions, for formats of 32-bit floats far from the origin.
+        allow_rounding: of a mesh: write stl or glb even where rounding to 32-bit floats spoils it; see `Mesh.check_written`.
 
     Raises:
-        UnsupportedError: a format that does not hold such a thing. RangeError: sizes or numbers beyond what it holds.
+        UnsupportedError: a format that does not hold such a thing. RangeError: sizes or numbers beyond what it holds, and a mesh
+        that rounding would spoil.
     """
     from ._field import Field
     from ._image import Image
@@ -190,8 +194,10 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         raise ArgumentError("states are for octrees")
     if vectors and not isinstance(thing, Field):
         raise ArgumentError("vectors are for fields")
-    if normals and isinstance(thing, (Grid, Octree, Field, Image, Sections)):
-        raise ArgumentError("normals are for meshes")
+    if isinstance(thing, (Grid, Octree, Field, Image, Sections)):
+        for name, given in (("normals are", normals), ("origin is", origin is not None), ("allow_rounding is", allow_rounding)):
+            if given:
+                raise ArgumentError(f"{name} for meshes")
     with Run(threads, memory_limit, progress) as run:
         if isinstance(thing, Image) and kind == "png":
             return thing.png()
@@ -206,15 +212,21 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
             run.check(function("bvx_write_field")(run.context, thing._c, int(vectors), _number(kind), out))
         elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
             mesh = Mesh.of(thing)._struct(run)
-            if normals:
-                options = options_of("write_options")
-                options.normals = 1
-                run.check(function("bvx_write_mesh_with")(run.context, mesh, options, _number(kind), out))
-            else:
-                run.check(lib.bvx_write_mesh(run.context, mesh, _number(kind), out))
+            _subtract(mesh, origin)
+            options = options_of("write_options")
+            options.normals = int(bool(normals))
+            options.rounding = int(bool(allow_rounding))
+            run.check(lib.bvx_write_mesh_with(run.context, mesh, options, _number(kind), out))
         else:
             raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}; {_outputs(thing)}")
     return bytes(ffi.buffer(out.bytes, out.size))
+
+
+def _subtract(mesh: Any, origin: Any) -> None:
+    """Positions in the file are less by the origin."""
+    if origin is not None:
+        x, y, z = (float(v) for v in origin)
+        mesh.frame = (mesh.frame[0] - x, mesh.frame[1] - y, mesh.frame[2] - z)
 
 
 def _outputs(thing: Any) -> str:
@@ -259,7 +271,8 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads
 
 
 def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False,
-          normals: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
+          normals: bool = False, origin: Any = None, allow_rounding: bool = False, threads: int | None = None,
+          memory_limit: int | None = None, progress: Progress = None) -> None:
     """Write a mesh, grid, octree, field or image to a file, whole or not at all.
 
     Args:
@@ -268,11 +281,12 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
         format: the format, in place of the name's ending.
         states: of an octree: which leaves, ("surface", "inside") unless told.
         vectors: of a field: vectors in place of signed distances.
-        normals: of a mesh: as for `dumps`.
+        normals, origin, allow_rounding: of a mesh: as for `dumps`.
     """
     path = os.fspath(path)
     kind = _format_of(path, format)
-    data = dumps(thing, kind, states=states, vectors=vectors, normals=normals, threads=threads, memory_limit=memory_limit, progress=progress)
+    data = dumps(thing, kind, states=states, vectors=vectors, normals=normals, origin=origin, allow_rounding=allow_rounding, threads=threads,
+                 memory_limit=memory_limit, progress=progress)
     placed = thing.band if hasattr(thing, "band") else thing
     beside = lattice_json(placed) if isinstance(placed, Grid) and kind in _BESIDE else None
     write_bytes(path, data)

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 ERROR_KINDS = ("mean", "max")
 SOURCES = ("auto", "mesh", "measured")
+OPENS = ("shell", "keep", "cut")  # by BVX_OPEN_...; what simplify calls the first
+OPEN_INPUTS = ("refuse", "keep", "cut")
 METHODS = ("collapse", "edge-ratio", "coverage")
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
 HALVINGS, FEWEST = 4, 20  # levels by halving where none are asked for, and triangles that the last one has at least
@@ -141,7 +143,7 @@ def _meshes(made: list[Any], reports: Any, carry_from: Mesh | None, limits: dict
     return result
 
 
-# ---- fewer triangles for a closed mesh ----
+# ---- fewer triangles for a mesh as it is ----
 
 
 def simplify(
@@ -152,6 +154,7 @@ def simplify(
     error_kind: str | None = None,
     count: int | None = None,
     even: float | None = None,
+    open: str | None = None,
     strict: bool = False,
     samples: int | None = None,
     carry: bool = False,
@@ -160,10 +163,11 @@ def simplify(
     memory_limit: int | None = None,
     progress: Progress = None,
 ) -> Any:
-    """Fewer triangles for a closed, manifold, oriented mesh, by collapsing the edges that cost least.
+    """Fewer triangles for a manifold mesh, by collapsing the edges that cost least.
 
-    The result is closed, manifold and oriented, with the mesh's components and handles, and without crossing triangles where the
-    mesh has none. The order of vertices and triangles does not change it. `lod` takes any mesh, `repair` makes such meshes.
+    The result is manifold and oriented, closed where the mesh is and else with its borders, with its components and handles, and
+    without crossing triangles where the mesh has none. The order of vertices and triangles does not change it. `lod` takes any
+    mesh, `repair` makes closed ones.
 
     Args:
         mesh: what `Mesh.of` takes; vertices at equal positions are one.
@@ -173,6 +177,8 @@ def simplify(
         error_kind: of ``error``: "mean" (the default) or "max" distance, measured both ways.
         count: so many levels, each with half of the triangles of the one before. With none of these: one level of half.
         even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
+        open: of a mesh with borders: "keep" (the default) them; triangles that are there twice count once, flipped ones are
+            turned. "cut": as "keep", and edges of three triangles and more are cut. "refuse": an error.
         strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
         samples: measure the distances between mesh and level from so many points a side, for the report. Default:
             20000 with ``error``, else 0: they are not.
@@ -184,7 +190,8 @@ def simplify(
         `bitvox.reports.LevelReport`: ``met``, ``certificate``, ``crossings``, ``least_angle``, ``distance`` when measured ...
 
     Raises:
-        ArgumentError: the mesh is open, not manifold or not oriented, with an edge; options that contradict each other.
+        ArgumentError: the mesh is not manifold or cannot be oriented, or is open and that is refused, with an edge; options that
+        contradict each other.
         EmptyError: no triangles. RangeError: a target that cannot be kept with ``strict``; coordinates. MemoryLimitError.
     """
     source = Mesh.of(mesh)
@@ -192,6 +199,8 @@ def simplify(
     single = count is None and not _many(triangles) and not _many(error)
     targets = _Targets(options, source, triangles, error, error_kind, 1 if single and triangles is None and error is None else count)
     _set_common(options, even, strict, error, samples, dtype)
+    if open is not None:
+        options.open = lib.BVX_OPEN_SHELL + _place("open", open, OPEN_INPUTS)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
 
     # About its own frame, so that float32 stays float32; the frame goes to the levels.
@@ -210,6 +219,13 @@ def simplify(
         low, high = (tuple(x + f for x, f in zip(corner, frame)) for corner in (found.low, found.high))
         level.report = level.report._replace(certificate=found._replace(low=low, high=high))
     return levels[0] if single else list(levels)
+
+
+def _place(name: str, value: Any, names: Sequence[str]) -> int:
+    """Where a choice stands among its names."""
+    if value not in names:
+        raise ArgumentError(f"{name} is {value!r}; it must be one of {', '.join(names)}")
+    return names.index(value)
 
 
 def _set_common(options: Any, even: float | None, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
@@ -259,6 +275,7 @@ def lod(
     count: int | None = None,
     method: str | None = None,
     made_from: str | None = None,
+    open: str | None = None,
     resolution: Any = None,
     lattice: Lattice | None = None,
     sign: str | None = None,
@@ -289,7 +306,7 @@ def lod(
 
     The method "collapse" takes a mesh as it is where that gives whole levels; else it measures the surface first, as `repair`
     does: holes get lids, overlapping parts become one, sheets become shells. Then edges collapse, each level from the one before.
-    Every level is closed, manifold and oriented, and no two of its triangles cross. "edge-ratio" and "coverage" are those of
+    Every level is closed, manifold and oriented, and no two of its triangles cross, unless ``open`` leaves it open. "edge-ratio" and "coverage" are those of
     the paper: they lay coarser lattices over the voxels of the mesh, or over a grid.
 
     Args:
@@ -304,6 +321,9 @@ def lod(
             only the paper's methods have.
         made_from: "mesh": the mesh itself, which must be closed, manifold and oriented. "measured": the surface that `repair`
             makes of it. "auto": the mesh where that gives whole levels, else measured (the program's ``--source``).
+        open: what becomes of open sheets. "shell" (the default): closed shells, ``shell`` voxels thick. "keep": they stay open, with
+            their borders, where the mesh is manifold once triangles that are there twice count once and flipped ones are turned;
+            else they are measured, and ``report`` says at which edge (``refused_edge``). "cut": such edges are cut.
         resolution: voxels along the longest axis to measure with. Default: as many as the finest level needs, see
             `plan_levels`. The paper's methods: of the voxelization; default: 8 times the finest level, less where its bits would take
             more than 1 GiB.
@@ -335,7 +355,7 @@ def lod(
         ArgumentError: options that contradict each other. EmptyError: nothing inside. RangeError: a target that cannot be kept
         with ``strict``; a level finer than the voxels; coordinates. MemoryLimitError.
     """
-    of_collapse = {"error": error, "error_kind": error_kind, "count": count, "made_from": made_from, "lattice": lattice, "sign": sign,
+    of_collapse = {"error": error, "error_kind": error_kind, "count": count, "made_from": made_from, "open": open, "lattice": lattice, "sign": sign,
                    "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,
                    "least_cavity": least_cavity, "even": even, "strict": strict or None, "samples": samples}
     of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
@@ -357,6 +377,7 @@ def lod(
     options = options_of("levels_options")
     targets = _Targets(options, mesh, triangles, error, error_kind, count)
     _set_common(options, even, strict, error, samples, dtype)
+    options.open = _place("open", "shell" if open is None else open, OPENS)
     options.source = choice("made_from", "auto" if made_from is None else made_from, "BVX_LEVELS_", SOURCES)
     if lattice is not None:
         if resolution is not None:

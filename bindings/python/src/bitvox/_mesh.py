@@ -11,7 +11,7 @@ from ._records import record
 from ._run import Progress, Run, ffi, lib
 
 if TYPE_CHECKING:
-    from .reports import Certificate
+    from .reports import Certificate, WriteReport
 
 _POSITIONS = {"float32": "BVX_F32", "float64": "BVX_F64"}
 
@@ -274,6 +274,26 @@ class Mesh:
             run.check(lib.bvx_mesh_check(run.context, self._view(run), int(bool(weld)), out))
         return record(out)
 
+    def check_written(self, format: str, *, origin: Any = None, threads: int | None = None, memory_limit: int | None = None,
+                      progress: Progress = None) -> WriteReport:
+        """What readers of a file in a format get, without writing it: stl and glb hold 32-bit floats.
+
+        Args:
+            format: stl, obj, ply, off or glb. origin: as `bitvox.write` takes it.
+
+        Returns:
+            A `bitvox.reports.WriteReport`: ``file``, the certificate with the positions as the file rounds them; what rounding moves,
+            merges and spoils; and whether `bitvox.write` takes it without ``allow_rounding``.
+        """
+        from ._files import _number, _subtract
+
+        out = ffi.new("bvx_write_report *")
+        with Run(threads, memory_limit, progress) as run:
+            mesh = self._struct(run)
+            _subtract(mesh, origin)
+            run.check(lib.bvx_check_written(run.context, mesh, 1, _number(format.lower().lstrip(".")), out))
+        return record(out)
+
     def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Pairs of faces that cross: that have a common point which is neither a common vertex nor on a common edge.
 
@@ -308,20 +328,20 @@ class Mesh:
         return vertices, facets
 
     def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
-                 error_kind: str | None = None, count: int | None = None, even: float | None = None, strict: bool = False,
+                 error_kind: str | None = None, count: int | None = None, even: float | None = None, open: str | None = None, strict: bool = False,
                  samples: int | None = None, carry: bool = False, dtype: Any = None, threads: int | None = None,
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
-        """Fewer triangles for a closed, manifold, oriented mesh, by collapsing the edges that cost least.
+        """Fewer triangles for a manifold mesh, closed or with borders, by collapsing the edges that cost least.
 
         Args:
-            triangles, error, error_kind, count, even, strict, samples, carry, dtype: as for `bitvox.simplify`.
+            triangles, error, error_kind, count, even, open, strict, samples, carry, dtype: as for `bitvox.simplify`.
 
         Returns:
             A `Mesh` for one target, a list for several.
         """
         from ._levels import simplify
 
-        return simplify(self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, strict=strict,
+        return simplify(self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, open=open, strict=strict,
                         samples=samples, carry=carry, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def content_hash(self) -> int:
@@ -398,12 +418,13 @@ class Mesh:
 
         return render(self, size=(480, 360)).png() if self.n_faces else None
 
-    def save(self, path: str | os.PathLike[str], format: str | None = None, *, normals: bool = False) -> None:
+    def save(self, path: str | os.PathLike[str], format: str | None = None, *, normals: bool = False, origin: Any = None,
+             allow_rounding: bool = False) -> None:
         """Write it to the file ``path``, in the format of its ending or in ``format``; with smooth ``normals`` of the vertices too
-        in .ply and .obj. See `bitvox.write`."""
+        in .ply and .obj, less by an ``origin``; ``allow_rounding`` writes what it spoils. See `bitvox.write`."""
         from ._files import write
 
-        write(self, path, format=format, normals=normals)
+        write(self, path, format=format, normals=normals, origin=origin, allow_rounding=allow_rounding)
 
 
 def new_mesh() -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ._arrays import plain
-from ._run import SIGN_RULES, ffi, name_of
+from ._run import FILL_REASONS, FILLS, SIGN_RULES, ffi, name_of
 
 
 def _plain_name(kind: Any) -> str:
@@ -22,7 +22,8 @@ def record(struct: Any) -> Any:
 
 
 # Fields that hold the number of a rule: the prefix of its constants, and their names.
-_RULES = {"sign": ("BVX_SIGN_", SIGN_RULES), "source": ("BVX_LEVELS_", ("mesh", "measured"))}
+_RULES = {"sign": ("BVX_SIGN_", SIGN_RULES), "source": ("BVX_LEVELS_", ("mesh", "measured")), "fill": ("BVX_FILL_", FILLS),
+          "fill_reason": ("BVX_FILL_REASON_", FILL_REASONS)}
 
 
 def _value(field: str, wanted: Any, value: Any) -> Any:

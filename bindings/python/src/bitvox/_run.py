@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import contextvars
 import os
+import time
 from typing import Any, Callable, Iterator, NamedTuple, Union
 
 from . import _native
@@ -27,6 +28,7 @@ class _Settings(NamedTuple):
 
 _settings: contextvars.ContextVar[_Settings] = contextvars.ContextVar("bitvox", default=_Settings())
 _forked = False
+_counted: tuple[float, int] = (0.0, 0)
 _REMEDIES = {"bvx_repair": "bitvox.repair", "bvx_build_levels": "bitvox.lod", "bvx_grid_distance": "Grid.distance"}
 
 
@@ -36,8 +38,24 @@ def _after_fork() -> None:
 
 
 if hasattr(os, "register_at_fork"):
-    # OpenMP's threads are not in a forked child, and asking for them there waits for ever.
+    # The children of multiprocessing share the processors: each takes one where nothing else is said.
     os.register_at_fork(after_in_child=_after_fork)
+
+
+def _default_threads() -> int:
+    """As many as the library would take. To count them takes ten times as long as a context, so once a second is enough."""
+    global _counted
+    if _forked:
+        return 1
+    now = time.monotonic()
+    if _counted[1] == 0 or now - _counted[0] > 1.0:
+        out = ffi.new("bvx_context **")
+        threads = 1
+        if lib.bvx_context_create_version(lib.BVX_VERSION, ffi.NULL, out) == lib.BVX_OK:
+            threads = lib.bvx_context_threads(out[0])
+            lib.bvx_context_destroy(out[0])
+        _counted = (now, threads)
+    return _counted[1]
 
 
 @contextlib.contextmanager
@@ -45,7 +63,8 @@ def settings(*, threads: int | None = None, memory_limit: int | None = None, pro
     """Options of all calls inside a ``with`` block, for this thread (or asynchronous task).
 
     Args:
-        threads: workers; 0 takes all there are. A forked child always works with one.
+        threads: most workers; 0 takes one a processor that this process may use (affinity, a container's quota,
+            ``OMP_NUM_THREADS``), in a forked child one. Small calls and busy machines get fewer, at no cost.
         memory_limit: most bytes that one call may hold, its result included; 0 is no limit.
         progress: True for a bar (needs tqdm), or a callable ``progress(stage, fraction)``; when it returns False the
             call ends with `Cancelled`, and what it raises comes out of the call.
@@ -110,7 +129,7 @@ class Run:
         options = ffi.new("bvx_context_options *")
         lib.bvx_context_options_init(options, ffi.sizeof("bvx_context_options"))
         wanted = given.threads if threads is None else threads
-        options.threads = 1 if _forked else in_range("threads", wanted, 0, 1024)
+        options.threads = in_range("threads", wanted, 0, 1024) or _default_threads()
         limit = given.memory_limit if memory_limit is None else memory_limit
         self.memory_limit = options.memory_limit = in_range("memory_limit", limit, 0, 2**64 - 1)
         self.handle = ffi.new_handle(self)
@@ -225,6 +244,8 @@ def name_of(value: int, prefix: str, names: tuple[str, ...]) -> str:
     return str(value)
 
 
+FILLS = ("parity", "nonzero", "vote", "flood", "regions", "below", "winding", "auto")
+FILL_REASONS = ("asked", "sound", "nested", "overlap", "open", "unorientable")
 SIGN_RULES = ("auto", "exact", "normal", "pseudonormal", "winding", "vote", "none")
 
 

@@ -12,13 +12,12 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh
 from ._octree import with_positions
 from ._records import record
-from ._run import Progress, Run, choice, ffi, function, in_range, lib, options_of
+from ._run import FILLS, Progress, Run, choice, ffi, function, in_range, lib, options_of
 
 if TYPE_CHECKING:
     from .reports import Certificate, Difference, Distances, Seed
 
 OPERATIONS = ("union", "intersection", "difference", "xor")
-FILLS = ("parity", "nonzero", "vote", "flood", "regions", "below", "winding")
 MODES = ("solid", "conservative", "thin", "sampled")
 SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
 
@@ -68,9 +67,11 @@ def voxelize(
         window: only this box of the lattice: (low, size) or (x0, y0, z0, x1, y1, z1).
         mode: "solid": voxels whose centres lie inside. "conservative": all voxels that the surface touches. "thin": those that
             keep a flood through faces out. "sampled": those of points less than a voxel apart.
-        fill: what is inside: "parity" (nested shells are cavities, the default), "nonzero" (overlapping and inverted shells are
-            one solid), "vote" (majority of three axes: meshes with holes), "flood" (what a flood from outside cannot reach),
-            "regions" (what the surface parts, as a whole), "below" (all under a terrain), "winding".
+        fill: what is inside: "auto" (the default: parity where closed shells do not cross, nonzero where they do, winding where
+            there are holes, flipped triangles turned before; ``grid.report.fill`` and ``fill_reason`` tell which and why), "parity"
+            (nested shells are cavities), "nonzero" (overlapping and inverted shells are one solid), "vote" (majority of three axes:
+            whichever way triangles face), "flood" (what a flood from outside cannot reach), "regions" (what the surface parts, as a
+            whole), "below" (all under a terrain), "winding" (more than half a turn: holes and overlaps).
         close_gaps: with fill "flood": gaps of up to so many voxels hold the flood.
         add_shell: set all voxels that the surface touches too.
         check_edges: count open and flipped edges in the report.
@@ -97,7 +98,7 @@ def voxelize(
     if attached:
         raise ArgumentError("attached is for the modes of surfaces: conservative, thin, sampled")
     options = options_of("voxelize_options")
-    options.fill = choice("fill", "parity" if fill is None else fill, "BVX_FILL_", FILLS)
+    options.fill = choice("fill", "auto" if fill is None else fill, "BVX_FILL_", FILLS)
     set_window("window", options.window, window)
     if options.fill != lib.BVX_FILL_BELOW:
         for name, value in {"base": base, "second": second, "up": up}.items():
@@ -437,10 +438,12 @@ def repair(
     sign: str = "auto",
     interpolation: str = "tangent",
     face_rule: str = "separate",
-    sharp: bool = False,
+    sharp: bool | None = None,
     shell: float | None = None,
-    least_part: int = 0,
+    thin: str = "shell",
+    least_part: int | None = None,
     least_cavity: int = 0,
+    if_needed: bool = False,
     triangles: int | None = None,
     error: float | str | None = None,
     error_kind: str | None = None,
@@ -459,12 +462,18 @@ def repair(
         mesh: what `Mesh.of` takes.
         resolution: voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
         sign: what decides that a centre is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "exact"
-            (nested shells are cavities), or "auto": vote where triangles are flipped, else winding.
+            (nested shells are cavities), or "auto": winding, flipped triangles turned before, or vote where they cannot be oriented.
         interpolation: where vertices go: "tangent" (by the planes at the closest points), "vector" (by the line
             through them), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
-        sharp: cells on sharp edges and corners get a vertex there.
+        sharp: cells on sharp edges and corners get a vertex there: always, never, or (None) where many of the mesh's edges are sharp,
+            as in machine parts.
         shell: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
-        least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels].
+        thin: walls of bodies thinner than 1.5 voxels: "shell" (pieces without a voxel become shells, other walls are lost
+            where no centre lies in them), "keep" (whole, about as thick as they are) or "drop" (lost). The report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` tell of them.
+        least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
+            pieces nowhere three voxels thick where the mesh has no part of its own; 0: none is.
+        if_needed: a mesh that needs nothing is copied, its positions as they are (``report.copied``; ``report.needs`` is one of
+            ``BVX_NEEDS_...``: 0 nothing, 1 lids, 2 manifold, 3 turns, 4 area, 5 outside in, 6 uncrossing).
         triangles: most triangles: edges of the result collapse as by `simplify`, which is nearer than the search for a
             resolution that earlier versions made; 0 or None: no limit.
         error: as few triangles as keep this distance to the repaired surface: a number [world], or a part of its diagonal
@@ -494,10 +503,13 @@ def repair(
     options.sign = choice("sign", sign, "BVX_SIGN_", ("auto", "exact", "winding", "vote"))
     options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
-    options.sharp, options.local_frame, options.measure = int(bool(sharp)), int(bool(local_frame)), int(bool(measure))
+    options.sharp = -1 if sharp is None else int(bool(sharp))
+    options.local_frame, options.measure = int(bool(local_frame)), int(bool(measure))
     if shell is not None:
         options.shell = float(shell)
-    options.least_part = in_range("least_part", least_part, 0, 2**64 - 1)
+    options.thin = choice("thin", thin, "BVX_THIN_", ("shell", "keep", "drop"))
+    options.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
+    options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
     options.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
     targets = level_target(triangles, error, error_kind)
     if measure_samples is not None:
@@ -552,10 +564,11 @@ def boolean(
     *,
     resolution: int | None = None,
     lattice: Lattice | None = None,
-    fill: str = "parity",
+    fill: str = "auto",
     interpolation: str | None = None,
     face_rule: str = "separate",
-    sharp: bool = False,
+    sharp: bool | None = None,
+    least_part: int | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
     error_kind: str | None = None,
@@ -573,15 +586,22 @@ def boolean(
     Args:
         a, b: what `Mesh.of` takes.
         operation: "union", "intersection", "difference" (a without b) or "xor".
-        resolution: voxels along the longest axis of both together. Default 256. Or a ``lattice`` to work on.
-        fill: what is inside a mesh: "parity", "nonzero", "vote" or "winding".
+        resolution: voxels along the longest axis: of a for a difference, of the box that both have in common for an intersection, else
+            of both together. Default 256. Or a ``lattice`` to work on.
+        fill: what is inside a mesh: "auto" (what suits it, as for `voxelize`), "parity", "nonzero", "vote" or "winding".
         interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
-        sharp: cells on sharp edges and corners, and where the meshes meet, get a vertex there.
+        sharp: cells on sharp edges and corners, and where the meshes meet, get a vertex there; None: as for `repair`.
+        least_part: smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
         triangles, error, error_kind: most triangles of the result, or its distance to what it would be without: as for `repair`.
         face_rule, dtype, local_frame: as for `surface`.
 
     Returns:
-        A `Mesh`, empty when nothing is left; ``mesh.report`` has the fields of ``bvx_boolean_report``.
+        A `Mesh`, empty when nothing is left; ``mesh.report`` has the fields of ``bvx_boolean_report``: ``solid_a`` and ``solid_b`` tell
+        how each was filled and why, ``few`` (1: a, 2: b, 4: the result, added up) what has few voxels, ``advised_resolution`` what
+        would show it.
+
+    Raises:
+        EmptyError: none of the voxels has its centre inside a, or b, though all of it lies on the lattice.
     """
     options = options_of("boolean_options")
     if lattice is not None:
@@ -595,7 +615,10 @@ def boolean(
     if interpolation is not None:
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
-    options.sharp, options.local_frame = int(bool(sharp)), int(bool(local_frame))
+    options.sharp = -1 if sharp is None else int(bool(sharp))
+    options.local_frame = int(bool(local_frame))
+    options.keep_crumbs = int(least_part is not None)
+    options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
     report = ffi.new("bvx_boolean_report *")
     options.report = report
     targets = level_target(triangles, error, error_kind)

@@ -1,0 +1,246 @@
+/* processors.c - how many threads are worth having: processors that this process may run on, what its control groups grant
+ * of them, and what OMP_NUM_THREADS and OMP_THREAD_LIMIT ask for, by which schedulers of many processes divide a machine.
+ *
+ * A group of version 2 has cpu.max ("150000 100000": one and a half processors, "max 100000": all); one of version 1 has
+ * cpu.cfs_quota_us (-1: all) and cpu.cfs_period_us. Every group above it limits it too. Inside a container the path that
+ * /proc tells may be that outside; then the mounted folder itself is the container's. Nothing is kept between calls. */
+#if defined(__linux__) && !defined(_GNU_SOURCE)
+#define _GNU_SOURCE /* what -std=c99 hides: affinity */
+#endif
+
+#include "core/context.h"
+
+#if defined(_REENTRANT) && (defined(__unix__) || defined(__APPLE__)) && !defined(BVX_FREESTANDING)
+#include <fcntl.h>
+#include <stdlib.h>
+#include <unistd.h>
+#if defined(__linux__)
+#include <sched.h>
+#endif
+
+enum { GROUP_FILE = 4096, GROUP_PATH = 1024 };
+
+/* The text of a small file, ended by 0; its length, or -1. */
+static int64_t read_text(const char *path, char *text, size_t room)
+{
+    int const file = open(path, O_RDONLY);
+    int64_t length = 0;
+    ssize_t n = 1;
+
+    if (file < 0) return -1;
+    while (n > 0 && (size_t)length < room - 1) {
+        n = read(file, text + length, room - 1 - (size_t)length);
+        if (n > 0) length += n;
+    }
+    close(file);
+    text[length] = 0;
+    return n < 0 ? -1 : length;
+}
+
+/* The number at *text, which moves behind it; -1 when there is none. */
+static int64_t take_count(const char **text)
+{
+    const char *p = *text;
+    int64_t n = 0;
+
+    while (*p == ' ' || *p == ',') p++;
+    if (*p < '0' || *p > '9') return -1;
+    for (; *p >= '0' && *p <= '9'; p++) n = n < INT64_C(1000000000000) ? n * 10 + (*p - '0') : n;
+    *text = p;
+    return n;
+}
+
+/* One path of the parts; 0 when it is too long. */
+static int join_path(char *path, const char *a, const char *b, size_t b_length, const char *c)
+{
+    size_t const first = bvxi_text_length(a), last = bvxi_text_length(c);
+
+    if (first + b_length + last >= GROUP_PATH) return 0;
+    memcpy(path, a, first);
+    memcpy(path + first, b, b_length);
+    memcpy(path + first + b_length, c, last + 1);
+    return 1;
+}
+
+/* Processors that quota of each period are worth, to the nearest whole one; 0: all. */
+static int32_t granted(int64_t quota, int64_t period)
+{
+    int64_t whole;
+
+    if (quota <= 0 || period <= 0) return 0;
+    whole = (quota + period / 2) / period;
+    return whole < 1 ? 1 : whole > BVXI_MAX_THREADS ? 0 : (int32_t)whole;
+}
+
+static int32_t lesser_quota(int32_t a, int32_t b)
+{
+    return a == 0 || (b != 0 && b < a) ? b : a;
+}
+
+/* What the group of this folder grants by itself. */
+static int32_t folder_quota(const char *mounted, const char *group, size_t length, int version)
+{
+    char path[GROUP_PATH], text[128];
+    const char *p = text;
+    int64_t quota;
+
+    if (version == 2) {
+        if (!join_path(path, mounted, group, length, "/cpu.max") || read_text(path, text, sizeof text) < 0) return 0;
+        quota = take_count(&p);
+        return granted(quota, take_count(&p));
+    }
+
+    if (!join_path(path, mounted, group, length, "/cpu.cfs_quota_us") || read_text(path, text, sizeof text) < 0) return 0;
+    quota = take_count(&p);
+    if (quota < 0 || !join_path(path, mounted, group, length, "/cpu.cfs_period_us") || read_text(path, text, sizeof text) < 0) return 0;
+    p = text;
+    return granted(quota, take_count(&p));
+}
+
+/* The group, and all above it up to the mounted folder itself. */
+static int32_t group_quota(const char *mounted, const char *group, size_t length, int version)
+{
+    int32_t least = 0;
+
+    for (;;) {
+        while (length > 0 && group[length - 1] == '/') length--;
+        least = lesser_quota(least, folder_quota(mounted, group, length, version));
+        if (length == 0) return least;
+        while (length > 0 && group[length - 1] != '/') length--;
+    }
+}
+
+/* 1 when the list "cpu,cpuacct" has cpu. */
+static int names_cpu(const char *list, const char *end)
+{
+    for (const char *p = list; p < end; p++) {
+        const char *const comma = bvxi_find_byte(p, end, ',');
+
+        if (comma - p == 3 && memcmp(p, "cpu", 3) == 0) return 1;
+        p = comma;
+    }
+    return 0;
+}
+
+/* A line of /proc/self/cgroup: number:controllers:path. Version 2 has none named, and may be mounted beside version 1. */
+static int32_t line_quota(const char *line, const char *end, const char *mounted)
+{
+    char folder[GROUP_PATH];
+    const char *const list = bvxi_find_byte(line, end, ':');
+    const char *const path = list == end ? end : bvxi_find_byte(list + 1, end, ':');
+    size_t const length = path == end ? 0 : (size_t)(end - path - 1);
+
+    if (path == end) return 0;
+    if (path == list + 1) {
+        if (!join_path(folder, mounted, "/unified", 8, "")) return 0;
+        return lesser_quota(group_quota(mounted, path + 1, length, 2), group_quota(folder, path + 1, length, 2));
+    }
+    if (!names_cpu(list + 1, path) || !join_path(folder, mounted, "/cpu", 4, "")) return 0;
+    return group_quota(folder, path + 1, length, 1);
+}
+
+int32_t bvxi_processor_quota(const char *groups, const char *mounted)
+{
+    char text[GROUP_FILE];
+    int64_t const length = read_text(groups, text, sizeof text);
+    int32_t least = 0;
+
+    for (const char *p = text; length > 0 && p < text + length; p++) {
+        const char *const end = bvxi_find_byte(p, text + length, '\n');
+
+        least = lesser_quota(least, line_quota(p, end, mounted));
+        p = end;
+    }
+    return least;
+}
+
+int32_t bvxi_online_processors(void)
+{
+#if defined(_SC_NPROCESSORS_ONLN)
+    long const online = sysconf(_SC_NPROCESSORS_ONLN);
+
+    return online < 1 ? 1 : online > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : (int32_t)online;
+#else
+    return 1;
+#endif
+}
+
+/* Processors that the process may run on. */
+static int32_t allowed_processors(void)
+{
+#if defined(__linux__) && defined(CPU_COUNT)
+    cpu_set_t set;
+
+    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) return (int32_t)CPU_COUNT(&set);
+#endif
+    return bvxi_online_processors();
+}
+
+/* "0.20 0.18 0.12 1/80 11206": of 80 threads of the machine one runs or waits for a processor, the calling one. */
+int32_t bvxi_running_threads(void)
+{
+    char text[128];
+    int64_t const length = read_text("/proc/loadavg", text, sizeof text);
+    const char *const end = text + (length > 0 ? length : 0);
+    const char *p = bvxi_find_byte(text, end, '/');
+    int64_t running;
+
+    if (p == end) return 0;
+    while (p > text && p[-1] >= '0' && p[-1] <= '9') p--;
+    running = take_count(&p);
+    return running < 0 ? 0 : running > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : (int32_t)running;
+}
+
+/* The first number of such a variable ("4", "4,2"); 0 when it is not set. */
+static int32_t asked_for(const char *variable)
+{
+    const char *text = getenv(variable);
+    int64_t const n = text == NULL ? 0 : take_count(&text);
+
+    return n < 1 || n > BVXI_MAX_THREADS ? 0 : (int32_t)n;
+}
+
+int32_t bvxi_processors(void)
+{
+    int32_t const asked = asked_for("OMP_NUM_THREADS"), limit = asked_for("OMP_THREAD_LIMIT");
+    int32_t n = asked != 0 ? asked : allowed_processors();
+
+    if (asked == 0 && n > 1) n = lesser_quota(n, bvxi_processor_quota("/proc/self/cgroup", "/sys/fs/cgroup"));
+    n = lesser_quota(n, limit);
+    return n > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : n;
+}
+
+#else
+
+#if defined(_OPENMP)
+#include <omp.h>
+#endif
+
+int32_t bvxi_processor_quota(const char *groups, const char *mounted)
+{
+    (void)groups, (void)mounted;
+    return 0;
+}
+
+int32_t bvxi_online_processors(void)
+{
+    return 1;
+}
+
+int32_t bvxi_running_threads(void)
+{
+    return 0;
+}
+
+int32_t bvxi_processors(void)
+{
+#if defined(_OPENMP)
+    int const n = omp_get_max_threads();
+
+    return n < 1 ? 1 : n > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : n;
+#else
+    return 1;
+#endif
+}
+
+#endif

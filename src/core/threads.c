@@ -1,0 +1,410 @@
+/* threads.c - the one file that knows threads: the helpers of a context, and the parallel-for that they serve.
+ *
+ * Helpers must cost next to nothing where there is nothing for them to gain: in small calls, and on processors that others
+ * keep busy. Four rules see to that; none of them can show in a result, as what a task computes depends on its index alone.
+ *
+ *   - The calling thread begins alone. Helpers are started once a context's steps have taken COLD_TIME, and are woken for a
+ *     step that has taken SMALL_TIME and is not done: clocks measure the work, no estimate has to be right.
+ *   - There are no more helpers than processors without work, where the system tells (Linux). The caller wakes
+ *     one; each that comes wakes two more while tasks are left.
+ *   - Tasks are claimed from a counter, and a step ends when all tasks did. A helper that got no processor meanwhile holds
+ *     no task, so nobody waits for it. Who waits looks again and again for SPIN_TIME, then sleeps.
+ *   - A helper that loses its processor inside a task makes the caller wait. The caller then works alone for a multiple of
+ *     that time, a longer one each time it happens again.
+ *
+ * POSIX threads where the compiler was told to use them (-pthread defines _REENTRANT), else OpenMP where that is on, else
+ * none. A forked child has no helpers: it works alone in contexts of its parent. */
+#if defined(__linux__) && !defined(_GNU_SOURCE)
+#define _GNU_SOURCE /* what -std=c99 hides: clocks */
+#endif
+
+#include "core/context.h"
+
+#if defined(_REENTRANT) && (defined(__unix__) || defined(__APPLE__)) && !defined(BVX_FREESTANDING)
+#include <pthread.h>
+#include <signal.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Nanoseconds. A wake costs some 5000, a start and a look at the system's load ten times that. */
+enum { COLD_TIME = 200000, SMALL_TIME = 20000, LOOK_TIME = 3000000, SPIN_TIME = 100000, NOTICED_WAIT = 200000 };
+
+enum { FEW_TASKS = 8, REST_LEAST = 8, REST_MOST = 64, HELPER_STACK = 1 << 20 };
+
+struct bvxi_pool {
+    pthread_mutex_t lock;       /* of all below but next */
+    pthread_cond_t work, ended; /* helpers sleep on the first, the caller on the second */
+    pid_t owner;                /* the process that the helpers are in */
+
+    bvx_task_fn *task;
+    void *user;
+    int32_t count, next; /* tasks of this step; the next one to claim, changed by all at once */
+    int32_t open;        /* 1 while helpers may enter the step */
+    int32_t inside;      /* helpers that did and have not left */
+    int32_t entered;     /* helpers that did; each is the worker of the number that it came as */
+    int32_t watching;    /* helpers that look for the next step without sleeping */
+    int64_t lost;        /* time that helpers were inside this step without a processor [Units: ns] */
+
+    int32_t most, started, asleep, quit; /* helpers: wanted, running, of those waiting for work */
+    int32_t online, idle, called;        /* processors of the machine; helpers that there are some for; those of this step */
+    int64_t alone;                       /* time of steps before the first helper [Units: ns] */
+    int64_t look_at, rest_until;         /* next look for idle processors; no helpers before [Units: ns of the clock] */
+    int32_t rest;                        /* how many times a wait the next rest lasts */
+    int32_t eager;                       /* for tests, as bvxi_pool_be_eager */
+
+    pthread_t helper[]; /* [Size: most] */
+};
+
+static int64_t clock_time(clockid_t clock)
+{
+    struct timespec t;
+
+    clock_gettime(clock, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+/* Numbers that a thread reads while another, which may have the lock, changes them. The lock orders what tasks read and write,
+ * so these need no order of their own. */
+#if defined(__GNUC__)
+static int32_t look_at(const int32_t *number)
+{
+    return __atomic_load_n(number, __ATOMIC_RELAXED);
+}
+
+static void change(int32_t *number, int32_t value)
+{
+    __atomic_store_n(number, value, __ATOMIC_RELAXED);
+}
+
+static int32_t claim_task(bvxi_pool *pool)
+{
+    return __atomic_fetch_add(&pool->next, 1, __ATOMIC_RELAXED);
+}
+
+/* Until the number is what is wanted, for SPIN_TIME at most. */
+static void watch(const int32_t *number, int32_t wanted)
+{
+    int64_t const until = clock_time(CLOCK_MONOTONIC) + SPIN_TIME;
+
+    while (look_at(number) != wanted && clock_time(CLOCK_MONOTONIC) < until)
+        for (int i = 0; i < 16 && look_at(number) != wanted; i++) {
+#if defined(__x86_64__) || defined(__i386__)
+            __builtin_ia32_pause();
+#endif
+        }
+}
+#else
+static int32_t look_at(const int32_t *number)
+{
+    return *number; /* with the lock held */
+}
+
+static void change(int32_t *number, int32_t value)
+{
+    *number = value;
+}
+
+static int32_t claim_task(bvxi_pool *pool)
+{
+    int32_t claimed;
+
+    pthread_mutex_lock(&pool->lock);
+    claimed = pool->next++;
+    pthread_mutex_unlock(&pool->lock);
+    return claimed;
+}
+
+static void watch(const int32_t *number, int32_t wanted)
+{
+    (void)number, (void)wanted;
+}
+#endif
+
+static void take_tasks(bvxi_pool *pool, int32_t worker)
+{
+    for (int32_t i = claim_task(pool); i < pool->count; i = claim_task(pool)) pool->task(pool->user, i, worker);
+}
+
+static void *help(void *given);
+
+/* With the lock held: one more helper for the step, if tasks are left and there is one. */
+static void call_helper(bvxi_pool *pool)
+{
+    pthread_attr_t attributes;
+    sigset_t all, before;
+
+    if (pool->called == pool->idle || look_at(&pool->next) >= pool->count) return;
+    if (pool->called++ < pool->watching) return; /* it comes by itself */
+    if (pool->asleep > 0) {
+        pthread_cond_signal(&pool->work);
+        return;
+    }
+    if (pool->started == pool->most) return;
+
+    /* Signals are for the program's own threads. A helper that cannot be started is done without, from now on. */
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    pthread_attr_init(&attributes);
+    pthread_attr_setstacksize(&attributes, HELPER_STACK);
+    if (pthread_create(&pool->helper[pool->started], &attributes, help, pool) == 0) pool->started++;
+    else pool->most = pool->started;
+    pthread_attr_destroy(&attributes);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+static void work_on_step(bvxi_pool *pool)
+{
+    int32_t const worker = ++pool->entered; /* below the number of tasks, as tasks have scratch for no more workers */
+    int64_t time, processor_time;
+
+    change(&pool->inside, pool->inside + 1);
+    call_helper(pool);
+    call_helper(pool);
+    pthread_mutex_unlock(&pool->lock);
+
+    time = clock_time(CLOCK_MONOTONIC);
+    processor_time = clock_time(CLOCK_THREAD_CPUTIME_ID);
+    take_tasks(pool, worker);
+    processor_time = clock_time(CLOCK_THREAD_CPUTIME_ID) - processor_time;
+    time = clock_time(CLOCK_MONOTONIC) - time;
+
+    pthread_mutex_lock(&pool->lock);
+    pool->lost += time > processor_time ? time - processor_time : 0;
+    change(&pool->inside, pool->inside - 1);
+    if (pool->inside == 0) pthread_cond_signal(&pool->ended);
+}
+
+/* With the lock held, which is given back meanwhile. */
+static void watch_for_step(bvxi_pool *pool)
+{
+    pool->watching++;
+    pthread_mutex_unlock(&pool->lock);
+    watch(&pool->open, 1);
+    pthread_mutex_lock(&pool->lock);
+    pool->watching--;
+}
+
+static int may_enter(const bvxi_pool *pool)
+{
+    return pool->open && pool->inside < pool->idle && pool->entered + 1 < pool->count && look_at(&pool->next) < pool->count;
+}
+
+static void *help(void *given)
+{
+    bvxi_pool *const pool = given;
+
+    pthread_mutex_lock(&pool->lock);
+    while (!pool->quit) {
+        if (may_enter(pool)) {
+            work_on_step(pool);
+            watch_for_step(pool);
+            continue;
+        }
+        pool->asleep++;
+        pthread_cond_wait(&pool->work, &pool->lock);
+        pool->asleep--;
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
+size_t bvxi_pool_size(int32_t threads)
+{
+    return threads < 2 ? 0 : sizeof(bvxi_pool) + (size_t)(threads - 1) * sizeof(pthread_t);
+}
+
+int bvxi_pool_begin(bvxi_pool *pool, int32_t threads)
+{
+    memset(pool, 0, sizeof *pool);
+    pool->most = threads - 1;
+    pool->rest = REST_LEAST;
+    pool->owner = getpid();
+    if (pthread_mutex_init(&pool->lock, NULL) != 0) return 0;
+    if (pthread_cond_init(&pool->work, NULL) != 0) goto no_work;
+    if (pthread_cond_init(&pool->ended, NULL) != 0) goto no_ended;
+    return 1;
+
+no_ended:
+    pthread_cond_destroy(&pool->work);
+no_work:
+    pthread_mutex_destroy(&pool->lock);
+    return 0;
+}
+
+void bvxi_pool_end(bvxi_pool *pool)
+{
+    if (pool->owner != getpid()) return;
+    pthread_mutex_lock(&pool->lock);
+    pool->quit = 1;
+    change(&pool->open, 1); /* those that watch see it too */
+    pthread_cond_broadcast(&pool->work);
+    pthread_mutex_unlock(&pool->lock);
+
+    for (int32_t i = 0; i < pool->started; i++) pthread_join(pool->helper[i], NULL);
+    pthread_cond_destroy(&pool->ended);
+    pthread_cond_destroy(&pool->work);
+    pthread_mutex_destroy(&pool->lock);
+}
+
+/* How many helpers there are processors for: all where that cannot be told. */
+static int32_t count_idle(bvxi_pool *pool)
+{
+    int32_t const running = bvxi_running_threads();
+    int32_t idle;
+
+    if (running == 0) return pool->most;
+    if (pool->online == 0) pool->online = bvxi_online_processors();
+    idle = pool->online - running;
+    return idle < 0 ? 0 : idle < pool->most ? idle : pool->most;
+}
+
+/* 1 when there is a processor for a helper, as far as can be told. */
+static int has_processors(bvxi_pool *pool, int64_t now)
+{
+    if (now < pool->rest_until && pool->eager < 2) return 0;
+    if (now >= pool->look_at && !pool->eager) {
+        pool->idle = count_idle(pool);
+        pool->look_at = now + LOOK_TIME;
+    }
+    return pool->idle > 0;
+}
+
+/* Runs tasks on the calling thread until helpers are worth their wake; returns the first task that is left. */
+static int32_t begin_alone(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user)
+{
+    int64_t const start = clock_time(CLOCK_MONOTONIC);
+    int64_t const cold = COLD_TIME - pool->alone;
+    int64_t const large = cold > 0 ? cold : count <= FEW_TASKS ? 0 : SMALL_TIME; /* few tasks may be long ones */
+    int64_t const least = pool->eager ? 0 : large;
+    int64_t now = start;
+    int32_t i = 0;
+
+    while (i < count && (now - start < least || !has_processors(pool, now))) {
+        task(user, i++, 0);
+        now = clock_time(CLOCK_MONOTONIC);
+    }
+    if (cold > 0) pool->alone += now - start;
+    return i;
+}
+
+void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how)
+{
+    pool->eager = how;
+    pool->idle = pool->most;
+}
+
+/* With the lock held: the last helpers leave; those that had no processor to do so make the next steps the caller's own. */
+static void wait_for_helpers(bvxi_pool *pool)
+{
+    int64_t start, waited;
+
+    if (pool->inside == 0) return;
+    start = clock_time(CLOCK_MONOTONIC);
+    pthread_mutex_unlock(&pool->lock);
+    watch(&pool->inside, 0);
+    pthread_mutex_lock(&pool->lock);
+    while (pool->inside > 0) pthread_cond_wait(&pool->ended, &pool->lock);
+
+    waited = clock_time(CLOCK_MONOTONIC) - start;
+    if (waited >= NOTICED_WAIT && pool->lost >= waited / 2) {
+        pool->rest_until = start + waited + waited * pool->rest;
+        if (pool->rest < REST_MOST) pool->rest *= 2;
+    } else if (pool->rest > REST_LEAST) pool->rest /= 2;
+}
+
+void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user)
+{
+    int32_t const first = begin_alone(pool, count, task, user);
+
+    if (count - first < 2 || pool->owner != getpid()) { /* a lone task is the caller's, and so is all in a forked child */
+        for (int32_t i = first; i < count; i++) task(user, i, 0);
+        return;
+    }
+
+    pthread_mutex_lock(&pool->lock);
+    pool->task = task;
+    pool->user = user;
+    pool->count = count;
+    change(&pool->next, first);
+    pool->lost = 0;
+    pool->called = 0;
+    pool->entered = 0;
+    change(&pool->open, 1);
+    call_helper(pool);
+    pthread_mutex_unlock(&pool->lock);
+
+    take_tasks(pool, 0);
+
+    pthread_mutex_lock(&pool->lock);
+    change(&pool->open, 0);
+    wait_for_helpers(pool);
+    pthread_mutex_unlock(&pool->lock);
+}
+
+#elif defined(_OPENMP)
+#include <omp.h>
+
+struct bvxi_pool {
+    int32_t threads;
+};
+
+size_t bvxi_pool_size(int32_t threads)
+{
+    return threads < 2 ? 0 : sizeof(bvxi_pool);
+}
+
+int bvxi_pool_begin(bvxi_pool *pool, int32_t threads)
+{
+    pool->threads = threads;
+    return 1;
+}
+
+void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how)
+{
+    (void)pool, (void)how;
+}
+
+void bvxi_pool_end(bvxi_pool *pool)
+{
+    (void)pool;
+}
+
+void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user)
+{
+    int const workers = pool->threads < count ? pool->threads : count;
+
+#pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
+    for (int32_t i = 0; i < count; i++) task(user, i, omp_get_thread_num());
+}
+
+#else
+
+size_t bvxi_pool_size(int32_t threads)
+{
+    (void)threads;
+    return 0;
+}
+
+int bvxi_pool_begin(bvxi_pool *pool, int32_t threads)
+{
+    (void)pool, (void)threads;
+    return 0;
+}
+
+void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how)
+{
+    (void)pool, (void)how;
+}
+
+void bvxi_pool_end(bvxi_pool *pool)
+{
+    (void)pool;
+}
+
+void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user)
+{
+    (void)pool;
+    for (int32_t i = 0; i < count; i++) task(user, i, 0);
+}
+
+#endif

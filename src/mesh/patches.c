@@ -1,0 +1,287 @@
+/* patches.c - triangles made to run the same way round, patch by patch.
+ *
+ * Half-edges are sorted by their ends, so those of an edge lie side by side. Where an edge has two triangles they belong to one patch,
+ * and run the same way round when they run along it in opposite directions. A union-find over triangles keeps, beside the way to the
+ * root, whether a triangle runs as its root does; two answers for one pair make a patch that has one side only.
+ *
+ * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; links carry one more bit. The minority is turned, as
+ * a reader of a mesh with a few flipped triangles would do. */
+#include "mesh/patches.h"
+#include "mesh/radix.h"
+#include "mesh/view.h"
+
+/* A link is a triangle << 1 | 1 when the two run differently; triangles are below 2^31. A root links to itself. */
+typedef struct patch_sums {
+    uint32_t same, other; /* triangles that run as the root does, and those that do not */
+    double volume;        /* that the patch encloses when all run as the root does */
+} patch_sums;
+
+typedef struct patch_work {
+    const bvx_mesh_view *view;
+    const uint32_t *representative;
+    const double *centre;
+    bvxi_patches *out;
+    uint32_t *corner;  /* [Size: triangles * 3] */
+    uint64_t *keys;    /* lower corner << 32 | higher one, of each half-edge; UINT64_MAX without area [Size: triangles * 3] */
+    uint32_t *numbers; /* their half-edges: 3 t + k runs from corner k to corner k + 1 */
+    uint32_t *link;    /* [Size: triangles] */
+    uint8_t *torn;     /* by root, 1: no turning helps */
+    patch_sums *sums;  /* by root */
+} patch_work;
+
+/* ---- Patches and parts ---- */
+
+/* The root of a triangle; *differs: whether it runs differently. Paths are halved. */
+static uint32_t patch_root(uint32_t *link, uint32_t t, uint32_t *differs)
+{
+    *differs = 0;
+    while (link[t] >> 1 != t) {
+        uint32_t const up = link[t] >> 1, above = link[up] >> 1;
+
+        link[t] = above << 1 | ((link[t] ^ link[up]) & 1);
+        *differs ^= link[t] & 1;
+        t = above;
+    }
+    return t;
+}
+
+static void join_patches(patch_work *w, uint32_t s, uint32_t t, uint32_t differ)
+{
+    uint32_t ds, dt;
+    uint32_t const a = patch_root(w->link, s, &ds), b = patch_root(w->link, t, &dt);
+    uint32_t const least = a < b ? a : b, most = a < b ? b : a;
+
+    if (a == b) {
+        if ((ds ^ dt) != differ) w->torn[a] = 1;
+        return;
+    }
+    w->link[most] = least << 1 | (ds ^ dt ^ differ);
+    w->torn[least] |= w->torn[most];
+}
+
+static uint32_t part_root(uint32_t *part, uint32_t t)
+{
+    while (part[t] != t) {
+        part[t] = part[part[t]];
+        t = part[t];
+    }
+    return t;
+}
+
+static void join_parts(uint32_t *part, uint32_t s, uint32_t t)
+{
+    uint32_t const a = part_root(part, s), b = part_root(part, t);
+
+    if (a < b) part[b] = a;
+    else part[a] = b;
+}
+
+/* ---- Edges ---- */
+
+static void list_half_edges(patch_work *w)
+{
+    for (uint64_t t = 0; t < w->out->triangles; t++) {
+        uint32_t *const c = w->corner + 3 * t;
+        int flat;
+
+        bvxi_view_triangle(w->view, t, c);
+        for (int k = 0; k < 3; k++) c[k] = w->representative[c[k]];
+        flat = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
+
+        for (uint64_t k = 0; k < 3; k++) {
+            uint64_t const a = c[k], b = c[k == 2 ? 0 : k + 1];
+
+            w->keys[3 * t + k] = flat ? UINT64_MAX : a < b ? a << 32 | b : b << 32 | a;
+            w->numbers[3 * t + k] = (uint32_t)(3 * t + k);
+        }
+    }
+}
+
+/* How many half-edges from begin on belong to one edge. */
+static uint64_t edge_length(const patch_work *w, uint64_t begin, uint64_t count)
+{
+    uint64_t end = begin + 1;
+
+    while (end < count && w->keys[end] == w->keys[begin]) end++;
+    return end - begin;
+}
+
+/* 1 where a half-edge runs from the edge's higher corner to the lower one. */
+static uint32_t runs_down(const patch_work *w, uint64_t at)
+{
+    return w->corner[w->numbers[at]] != (uint32_t)(w->keys[at] >> 32);
+}
+
+static void link_edge(patch_work *w, uint64_t at, uint64_t n)
+{
+    for (uint64_t i = 1; i < n; i++) join_parts(w->out->part, w->numbers[at] / 3, w->numbers[at + i] / 3);
+    if (n == 2) join_patches(w, w->numbers[at] / 3, w->numbers[at + 1] / 3, runs_down(w, at) == runs_down(w, at + 1));
+    w->out->odd_edges += n % 2;
+}
+
+/* What stays open when triangles are turned. */
+static void balance_edge(patch_work *w, uint64_t at, uint64_t n)
+{
+    uint64_t down = 0;
+
+    for (uint64_t i = 0; i < n; i++) down += runs_down(w, at + i) ^ w->out->turn[w->numbers[at + i] / 3];
+    w->out->open_edges += 2 * down > n ? 2 * down - n : n - 2 * down;
+}
+
+static void each_edge(patch_work *w, void (*visit)(patch_work *, uint64_t, uint64_t))
+{
+    uint64_t const count = 3 * w->out->triangles;
+
+    for (uint64_t at = 0, n; at < count && w->keys[at] != UINT64_MAX; at += n) {
+        n = edge_length(w, at, count);
+        visit(w, at, n);
+    }
+}
+
+/* ---- What is turned ---- */
+
+double bvxi_patches_volume(const bvx_mesh_view *view, uint64_t t, const double centre[3])
+{
+    double p[3][3];
+    uint32_t c[3];
+
+    bvxi_view_triangle(view, t, c);
+    for (int k = 0; k < 3; k++) {
+        bvxi_view_position(view, c[k], p[k]);
+        for (int a = 0; a < 3; a++) p[k][a] -= centre[a];
+    }
+    return p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+           p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+}
+
+static void sum_patches(patch_work *w)
+{
+    for (uint64_t t = 0; t < w->out->triangles; t++) {
+        uint32_t differs;
+        patch_sums *const s = &w->sums[patch_root(w->link, (uint32_t)t, &differs)];
+        double const volume = bvxi_patches_volume(w->view, t, w->centre);
+
+        *(differs ? &s->other : &s->same) += 1;
+        s->volume += differs ? -volume : volume;
+    }
+}
+
+/* 1: the triangles of a patch that run as its root does are turned, 0: the others. */
+static uint32_t turns_root(const patch_sums *s)
+{
+    uint64_t const all = (uint64_t)s->same + s->other;
+
+    if (8 * (uint64_t)s->same >= 5 * all) return 0;
+    if (8 * (uint64_t)s->other >= 5 * all) return 1;
+    return s->volume < 0 || (s->volume == 0 && s->other > s->same);
+}
+
+static void choose_turned(patch_work *w)
+{
+    bvxi_patches *const out = w->out;
+
+    for (uint64_t t = 0; t < out->triangles; t++) {
+        uint32_t differs;
+        uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
+
+        out->part[t] = part_root(out->part, (uint32_t)t);
+        out->unorientable += root == t && w->torn[root];
+        out->turn[t] = !w->torn[root] && (differs ^ turns_root(&w->sums[root])) != 0;
+        out->turned += out->turn[t];
+    }
+}
+
+/* ---- The whole ---- */
+
+static bvx_status open_patch_work(bvx_context *ctx, patch_work *w)
+{
+    uint64_t const n = w->out->triangles;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the triangles' parts", &w->out->part));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n, "the turned triangles", &w->out->turn));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' corners", &w->corner));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 24, "the patches' edges", &w->keys));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' half-edges", &w->numbers));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the patches", &w->link));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n, "the patches' marks", &w->torn));
+    return bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * sizeof *w->sums, "the patches' sums", &w->sums);
+}
+
+static void close_patch_work(bvx_context *ctx, patch_work *w)
+{
+    uint64_t const n = w->out->triangles;
+
+    bvxi_free(ctx, w->sums, n * sizeof *w->sums);
+    bvxi_free(ctx, w->torn, n);
+    bvxi_free(ctx, w->link, n * 4);
+    bvxi_free(ctx, w->numbers, n * 12);
+    bvxi_free(ctx, w->keys, n * 24);
+    bvxi_free(ctx, w->corner, n * 12);
+}
+
+static bvx_status find_patches(bvx_context *ctx, patch_work *w)
+{
+    for (uint64_t t = 0; t < w->out->triangles; t++) {
+        w->link[t] = (uint32_t)t << 1;
+        w->out->part[t] = (uint32_t)t;
+    }
+
+    list_half_edges(w);
+    BVXI_TRY(bvxi_radix_sort(ctx, w->keys, w->numbers, 3 * w->out->triangles));
+    each_edge(w, link_edge);
+
+    sum_patches(w);
+    choose_turned(w);
+    each_edge(w, balance_edge);
+    return BVX_OK;
+}
+
+bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, const double centre[3],
+                             bvxi_patches *patches)
+{
+    patch_work w;
+    bvx_status status;
+
+    memset(&w, 0, sizeof w);
+    memset(patches, 0, sizeof *patches);
+    if (view->triangle_count > UINT32_MAX / 3)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "the mesh has %u triangles; at most %u can be looked at edge by edge", view->triangle_count,
+                         (uint64_t)(UINT32_MAX / 3));
+
+    patches->triangles = view->triangle_count;
+    w.view = view;
+    w.representative = representative;
+    w.centre = centre;
+    w.out = patches;
+
+    status = open_patch_work(ctx, &w);
+    if (status == BVX_OK) status = find_patches(ctx, &w);
+    close_patch_work(ctx, &w);
+    if (status != BVX_OK) bvxi_patches_close(ctx, patches);
+    return status;
+}
+
+void bvxi_patches_close(bvx_context *ctx, bvxi_patches *patches)
+{
+    bvxi_free(ctx, patches->turn, patches->triangles);
+    bvxi_free(ctx, patches->part, patches->triangles * 4);
+    memset(patches, 0, sizeof *patches);
+}
+
+void bvxi_patches_turn(const bvx_mesh_view *view, const bvxi_patches *patches, uint32_t *index, bvx_mesh_view *turned)
+{
+    for (uint64_t t = 0; t < patches->triangles; t++) {
+        uint32_t *const c = index + 3 * t;
+
+        bvxi_view_triangle(view, t, c);
+        if (!patches->turn[t]) continue;
+        uint32_t const second = c[1];
+        c[1] = c[2];
+        c[2] = second;
+    }
+
+    *turned = *view;
+    turned->indices = index;
+    turned->index_type = BVX_U32;
+    turned->index_stride = 0;
+}

@@ -1,0 +1,127 @@
+/* sharp_edges.c - has a mesh sharp edges, as machine parts have?
+ *
+ * Measured is length: of the edges between two triangles, of those whose facets meet at an angle, and of those that are merely bent.
+ * A part of planes has much of the first and little of the second; a scan, a coarse ball or terrain have bent edges of all angles. */
+#include "mesh/sharp_edges.h"
+#include "mesh/facet.h"
+#include "mesh/radix.h"
+#include "mesh/view.h"
+#include "mesh/weld.h"
+
+enum { SHARP_MOST = 500000 }; /* meshes of more triangles are scans */
+
+/* Edges whose facets meet at more than 40 degrees are sharp, at more than 15 bent: cosines. */
+#define SHARP_COSINE 0.766
+#define BENT_COSINE 0.966
+
+/* Of the length of all edges: enough where few are bent, and enough anyhow (machine parts of coarse cylinders). To one of bent ones. */
+#define SHARP_SHARE 0.01
+#define SHARP_SHARE_ANYHOW 0.1
+#define SHARP_TO_BENT 2.0
+
+/* Lengths of the edges between two triangles: of all, of those that are bent, of those that are sharp. */
+typedef struct edge_lengths {
+    double all, bent, sharp;
+} edge_lengths;
+
+static void welded_triangle(const bvx_mesh_view *mesh, const uint32_t *representative, uint64_t t, uint32_t v[3])
+{
+    bvxi_view_triangle(mesh, t, v);
+    for (int k = 0; k < 3; k++) v[k] = representative[v[k]];
+}
+
+/* Corners and the normal of length 1 of a triangle, and twice its area, which is 0 where there is no normal. */
+static double facet_of(const bvx_mesh_view *mesh, const uint32_t v[3], double p[3][3], double n[3])
+{
+    double size;
+
+    for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
+    size = bvxi_facet_normal((const double(*)[3])p, n);
+    for (int a = 0; a < 3 && size > 0; a++) n[a] /= size;
+    return size;
+}
+
+/* Two sides (3 * triangle + k: from corner k to the next) of one edge. */
+static void add_edge(const bvx_mesh_view *mesh, const uint32_t *representative, uint32_t one, uint32_t other, edge_lengths *sum)
+{
+    double p[3][3], q[3][3], n[3], m[3], length = 0, cosine;
+    uint32_t v[3], w[3];
+
+    welded_triangle(mesh, representative, one / 3, v);
+    welded_triangle(mesh, representative, other / 3, w);
+    if (!(facet_of(mesh, v, p, n) > 0) || !(facet_of(mesh, w, q, m) > 0)) return;
+
+    /* Sides that run the same way belong to triangles of opposite orientation. */
+    cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+    if (v[one % 3] == w[other % 3]) cosine = -cosine;
+    for (int a = 0; a < 3; a++)
+        length += (p[(one + 1) % 3][a] - p[one % 3][a]) * (p[(one + 1) % 3][a] - p[one % 3][a]);
+    length = sqrt(length);
+
+    sum->all += length;
+    if (cosine < SHARP_COSINE)
+        sum->sharp += length;
+    else if (cosine < BENT_COSINE)
+        sum->bent += length;
+}
+
+static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *representative, uint64_t *keys,
+                                uint32_t *side, edge_lengths *sum)
+{
+    uint64_t const n = 3 * mesh->triangle_count;
+
+    for (uint64_t i = 0; i < n; i++) {
+        uint32_t v[3];
+
+        welded_triangle(mesh, representative, i / 3, v);
+        {
+            uint64_t const a = v[i % 3], b = v[(i + 1) % 3];
+            keys[i] = a < b ? a << 32 | b : b << 32 | a;
+        }
+        side[i] = (uint32_t)i;
+    }
+    BVXI_TRY(bvxi_radix_sort(ctx, keys, side, n));
+
+    for (uint64_t i = 0; i + 1 < n; i++) {
+        if (keys[i] != keys[i + 1]) continue;
+        add_edge(mesh, representative, side[i], side[i + 1], sum);
+        i++;
+    }
+    return BVX_OK;
+}
+
+static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, int32_t *sharp, double *share)
+{
+    uint64_t const bytes = view->triangle_count * 36;
+    edge_lengths sum = {0, 0, 0};
+    unsigned char *block;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges' lengths", &block));
+    status = measure_edges(ctx, view, representative, (uint64_t *)(void *)block,
+                           (uint32_t *)(void *)(block + view->triangle_count * 24), &sum);
+    bvxi_free(ctx, block, bytes);
+
+    *share = sum.all > 0 ? sum.sharp / sum.all : 0;
+    *sharp = *share > SHARP_SHARE_ANYHOW || (*share > SHARP_SHARE && sum.sharp > SHARP_TO_BENT * sum.bent);
+    return status;
+}
+
+bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, int32_t *sharp, double *share)
+{
+    uint64_t const bytes = view->vertex_count * 4;
+    uint32_t *found;
+    uint64_t different;
+    bvx_status status;
+
+    *sharp = 0;
+    *share = 0;
+    if (view->triangle_count > SHARP_MOST) return BVX_OK;
+    if (representative != NULL) return judge_edges(ctx, view, representative, sharp, share);
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &found));
+    status = bvxi_weld(ctx, view, found, &different);
+    if (status == BVX_OK) status = judge_edges(ctx, view, found, sharp, share);
+    bvxi_free(ctx, found, bytes);
+    return status;
+}

@@ -1,0 +1,281 @@
+/* crumbs.c - small parts of a solid that the meshes it was made from have no part for.
+ *
+ * Where a body runs out in an acute edge, thinner than a voxel, centres lie inside here and there: parts of a few voxels float beside
+ * the body. In a narrow groove pockets are left in the same way. Such a part is small, and it has no core, no voxel with
+ * six neighbours of its own. A small part of the mesh looks the same, so the mesh is asked: the piece that is nearest to the part
+ * belongs to something larger where behind most of its triangles there are voxels that are not of small parts; else the largest of its
+ * small parts is the piece itself, and stays.
+ * Guarantee: the answer follows from geometry, whatever the order of triangles, but where parts of one piece have equally many voxels. */
+#include "pipeline/crumbs.h"
+#include "grid/spaces.h"
+#include "mesh/closest_query.h"
+#include "mesh/facet.h"
+#include "mesh/view.h"
+
+/* What a crumb has at most: so many voxels, or this share of all. */
+enum { CRUMB_VOXELS = 64 };
+#define CRUMB_SHARE 1e-3
+
+/* What is known of a piece, by its least vertex. */
+typedef struct crumb_piece {
+    uint32_t large, small; /* triangles before voxels of large parts, and of small ones */
+    uint32_t best;         /* 1 + the small part of most voxels among those that are nearest to the piece */
+} crumb_piece;
+
+typedef struct crumb_part {
+    uint64_t voxels;
+    int32_t at[3];   /* its first voxel */
+    uint32_t source; /* the nearest mesh and its piece; small parts alone */
+    uint32_t piece;
+    uint8_t outside, core, small, dropped;
+} crumb_part;
+
+typedef struct crumb_job {
+    bvx_context *ctx;
+    const char *function;
+    bvx_grid *inside;
+    int32_t empty, sources;
+    const bvxi_crumb_source *source;
+    bvxi_spaces spaces;
+    crumb_part *part;      /* [Size: spaces.count] */
+    uint64_t small_parts;
+    bvx_grid small;        /* voxels of small parts */
+    uint64_t grid_bytes;
+    crumb_piece *piece[BVXI_CRUMB_SOURCES]; /* [Size: the mesh's vertices] */
+} crumb_job;
+
+/* ---- Parts ---- */
+
+static uint64_t crumb_word(const crumb_job *job, int32_t k, int32_t y, int32_t z)
+{
+    const bvx_grid *const g = job->inside;
+    uint64_t w;
+
+    if (k < 0 || y < 0 || z < 0 || k >= g->words_per_row || y >= g->size[1] || z >= g->size[2]) return 0;
+    w = g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row + (size_t)k];
+    return job->empty ? ~w : w;
+}
+
+/* Voxels of a word with all six neighbours. */
+static uint64_t crumb_cores(const crumb_job *job, int32_t k, int32_t y, int32_t z)
+{
+    uint64_t const w = crumb_word(job, k, y, z);
+    uint64_t const left = w << 1 | crumb_word(job, k - 1, y, z) >> 63, right = w >> 1 | crumb_word(job, k + 1, y, z) << 63;
+
+    return w & left & right & crumb_word(job, k, y - 1, z) & crumb_word(job, k, y + 1, z) & crumb_word(job, k, y, z - 1) &
+           crumb_word(job, k, y, z + 1);
+}
+
+static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
+{
+    crumb_job *const job = user;
+    crumb_part *const p = &job->part[space];
+
+    if (p->voxels == 0) {
+        p->at[0] = begin;
+        p->at[1] = y;
+        p->at[2] = z;
+    }
+    p->voxels += (uint64_t)(end - begin);
+    if (job->empty && bvxi_spaces_at_side(job->inside, begin, end, y, z)) p->outside = 1;
+    for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && !p->core; k++)
+        p->core = (crumb_cores(job, k, y, z) & bvxi_run_mask(begin, end, k)) != 0;
+}
+
+static void mark_small_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
+{
+    crumb_job *const job = user;
+    uint64_t *const row = job->small.words +
+                          ((size_t)z * (size_t)job->small.size[1] + (size_t)y) * (size_t)job->small.words_per_row;
+
+    if (!job->part[space].small) return;
+    for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] |= bvxi_run_mask(begin, end, k);
+}
+
+static void find_small_parts(crumb_job *job)
+{
+    uint64_t total = 0, most;
+
+    bvxi_spaces_each(&job->spaces, measure_crumb_run, job);
+    for (uint64_t n = 0; n < job->spaces.count; n++)
+        if (!job->part[n].outside) total += job->part[n].voxels;
+    most = (uint64_t)(CRUMB_SHARE * (double)total);
+    if (most < CRUMB_VOXELS) most = CRUMB_VOXELS;
+
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        crumb_part *const p = &job->part[n];
+        p->small = !p->outside && !p->core && p->voxels <= most;
+        job->small_parts += p->small;
+    }
+}
+
+/* ---- What the meshes have there ---- */
+
+/* 0: nothing, 1: a voxel of a large part, 2: of a small one. [Units: voxels of the window] */
+static int crumb_at(const crumb_job *job, const double at[3])
+{
+    uint64_t bit;
+    size_t word;
+
+    for (int a = 0; a < 3; a++)
+        if (!(at[a] >= 0 && at[a] < (double)job->inside->size[a])) return job->empty;
+    bit = UINT64_C(1) << ((size_t)at[0] & 63);
+    word = ((size_t)at[2] * (size_t)job->inside->size[1] + (size_t)at[1]) * (size_t)job->inside->words_per_row + ((size_t)at[0] >> 6);
+    if (((job->inside->words[word] & bit) != 0) == (job->empty != 0)) return 0;
+    return (job->small.words[word] & bit) != 0 ? 2 : 1;
+}
+
+/* The voxel on either side of a triangle's middle that is of a part. */
+static int crumb_beside(const crumb_job *job, const double p[3][3])
+{
+    static const double depth[4] = {-0.5, 0.5, -1.0, 1.0};
+    const bvx_lattice *const l = &job->inside->lattice;
+    double const h = bvxi_largest_spacing(l);
+    double n[3], length = bvxi_facet_normal(p, n);
+
+    if (!(length > 0)) return 0;
+    for (int d = 0; d < 4; d++) {
+        double at[3];
+        int found;
+        for (int a = 0; a < 3; a++)
+            at[a] = ((p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * depth[d] * h - l->origin[a]) / l->spacing[a] -
+                    (double)job->inside->low[a];
+        found = crumb_at(job, at);
+        if (found != 0) return found;
+    }
+    return 0;
+}
+
+static void count_beside(crumb_job *job, int32_t s)
+{
+    const bvx_mesh_view *const mesh = job->source[s].mesh;
+
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        crumb_piece *piece;
+        double p[3][3];
+        uint32_t v[3];
+        int found;
+
+        bvxi_view_triangle(mesh, t, v);
+        for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
+        piece = &job->piece[s][job->source[s].piece[v[0]]];
+        found = crumb_beside(job, (const double(*)[3])p);
+        piece->large += found == 1;
+        piece->small += found == 2;
+    }
+}
+
+/* The piece of a mesh that is nearest to a part's first voxel; *distance is known already of another mesh. */
+static void ask_nearest_piece(const crumb_job *job, int32_t s, const bvx_closest *closest, crumb_part *p, uint32_t *hint, double *distance)
+{
+    const bvx_lattice *const l = &job->inside->lattice;
+    bvx_closest_point found;
+    double centre[3];
+    uint32_t v[3];
+
+    for (int a = 0; a < 3; a++) centre[a] = l->origin[a] + ((double)(job->inside->low[a] + p->at[a]) + 0.5) * l->spacing[a];
+    bvxi_closest_ask(closest, centre, hint, &found);
+    if (s > 0 && !(found.distance < *distance)) return;
+    *distance = found.distance;
+    bvxi_view_triangle(job->source[s].mesh, found.triangle, v);
+    p->source = (uint32_t)s;
+    p->piece = job->source[s].piece[v[0]];
+}
+
+static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, double *distance)
+{
+    bvx_closest closest;
+    uint32_t hint = 0;
+
+    BVXI_TRY(bvxi_closest_open(job->ctx, job->function, "crumbs", 0.0, 1.0, job->source[s].mesh, &closest));
+    for (uint64_t n = 0; n < job->spaces.count; n++)
+        if (job->part[n].small) ask_nearest_piece(job, s, &closest, &job->part[n], &hint, &distance[n]);
+    bvxi_closest_shut(job->ctx, &closest);
+    return BVX_OK;
+}
+
+static bvx_status ask_meshes(crumb_job *job)
+{
+    double *distance;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->spaces.count * 8, "the parts' distances", &distance));
+    status = find_nearest_pieces(job, 0, distance);
+    if (status == BVX_OK && job->sources > 1) status = find_nearest_pieces(job, 1, distance);
+    bvxi_free(job->ctx, distance, job->spaces.count * 8);
+    return status;
+}
+
+/* ---- The answer ---- */
+
+static uint64_t judge_crumbs(crumb_job *job)
+{
+    uint64_t dropped = 0;
+
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        const crumb_part *const p = &job->part[n];
+        crumb_piece *piece;
+        if (!p->small) continue;
+        piece = &job->piece[p->source][p->piece];
+        if (piece->best == 0 || p->voxels > job->part[piece->best - 1].voxels) piece->best = (uint32_t)n + 1;
+    }
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        crumb_part *const p = &job->part[n];
+        const crumb_piece *piece;
+        if (!p->small) continue;
+        piece = &job->piece[p->source][p->piece];
+        p->dropped = piece->large > piece->small || piece->best != (uint32_t)n + 1;
+        dropped += p->dropped;
+    }
+    return dropped;
+}
+
+static void flip_crumb_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
+{
+    crumb_job *const job = user;
+    uint64_t *const row = job->inside->words +
+                          ((size_t)z * (size_t)job->inside->size[1] + (size_t)y) * (size_t)job->inside->words_per_row;
+
+    if (!job->part[space].dropped) return;
+    for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
+}
+
+static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
+{
+    bvx_status status;
+
+    job->small = *job->inside;
+    job->small.words = NULL;
+    job->grid_bytes = (uint64_t)bvxi_grid_rows(job->inside) * (uint64_t)job->inside->words_per_row * 8;
+    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the small parts", &job->small.words);
+    for (int32_t s = 0; s < job->sources && status == BVX_OK; s++)
+        status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->source[s].mesh->vertex_count * sizeof *job->piece[s], "the meshes' pieces",
+                                 &job->piece[s]);
+    if (status == BVX_OK) {
+        bvxi_spaces_each(&job->spaces, mark_small_run, job);
+        for (int32_t s = 0; s < job->sources; s++) count_beside(job, s);
+        status = ask_meshes(job);
+    }
+    if (status == BVX_OK) *dropped = judge_crumbs(job);
+    if (status == BVX_OK && *dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);
+    for (int32_t s = job->sources; s-- > 0;)
+        bvxi_free(job->ctx, job->piece[s], job->source[s].mesh->vertex_count * sizeof *job->piece[s]);
+    bvxi_free(job->ctx, job->small.words, job->grid_bytes);
+    return status;
+}
+
+bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *inside, int32_t empty, const bvxi_crumb_source *source,
+                            int32_t sources, uint64_t *dropped)
+{
+    crumb_job job = {.ctx = ctx, .function = function, .inside = inside, .empty = empty, .sources = sources, .source = source};
+    bvx_status status;
+
+    *dropped = 0;
+    BVXI_TRY(bvxi_spaces_open(ctx, function, "crumbs", inside, empty, BVXI_CONNECT_6, &job.spaces));
+    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, job.spaces.count * sizeof *job.part, "the parts", &job.part);
+    if (status == BVX_OK && job.spaces.count > 1) find_small_parts(&job);
+    if (status == BVX_OK && job.small_parts != 0) status = judge_small_parts(&job, dropped);
+    bvxi_free(ctx, job.part, job.spaces.count * sizeof *job.part);
+    bvxi_spaces_free(&job.spaces);
+    return status;
+}

@@ -1,0 +1,429 @@
+/* repair_flatten.c - the surface of thickened walls put back to where the mesh has it.
+ *
+ * Marching cubes give a thin wall its connections, as thick as the lattice needs; here its vertices go to their nearest points of
+ * the mesh, but for a small part of the way, so that no two come to one place where many have one nearest point. Then crossing
+ * triangles, those without area and vertices at one place are looked for; vertices of such go back half of the way, or all of
+ * it, until there are none: the surface before had none, so that ends.
+ * Guarantee: that of the surface before, as every step is checked on the coordinates as written. Threads do not show. */
+#include "mesh/closest_query.h"
+#include "mesh/cross.h"
+#include "mesh/mesh.h"
+#include "mesh/view.h"
+#include "mesh/weld.h"
+#include "pipeline/repair.h"
+
+#include <math.h>
+
+#define FLATTEN_LEFT (1.0 / 512.0) /* of the way to the nearest point */
+#define FLATTEN_ON_EDGE 0.01      /* of a voxel: a vertex this near to a line of centres lies on it */
+
+enum { FLATTEN_BLOCK = 4 /* voxels a side */, FLATTEN_REACHED = 1, FLATTEN_BESIDE = 2 };
+enum { FLATTEN_GRAIN = 256, FLATTEN_PIECES = 1024, FLATTEN_ROUNDS = 12, FLATTEN_SINGLE = 6 };
+enum { FLATTEN_ALL_THE_WAY = 0, FLATTEN_HALF = 1, FLATTEN_STAYS = 2 };
+
+typedef struct flatten_vertex {
+    double from[3], to[3]; /* [Units: world, less the mesh's frame] */
+    uint32_t vertex;
+    uint8_t step, back;    /* FLATTEN_...; back: 1 when it must go back further */
+} flatten_vertex;
+
+typedef struct flatten_job {
+    bvxi_repair_job *job;
+    bvx_mesh *mesh;
+    flatten_vertex *moved; /* [Size: count] */
+    uint32_t *number;      /* of each vertex among the moved ones, plus 1 [Size: vertices] */
+    uint64_t count, marked;
+    int32_t pieces;
+
+    /* the triangles that can meet moved ones, with vertices of their own */
+    uint8_t *blocks;
+    int32_t block_size[3];
+    double block_origin[3], block_scale[3]; /* [Units: world, less the mesh's frame] */
+    uint32_t *local;       /* of each vertex among theirs, plus 1 [Size: vertices] */
+    uint32_t *vertex;      /* of each of theirs in the mesh [Size: near.vertex_count] */
+    uint32_t *corner;      /* [Size: near.triangle_count * 3] */
+    double *position;      /* as written [Size: near.vertex_count * 3] */
+    bvx_mesh_view near;
+} flatten_job;
+
+/* ---- Which vertices move ---- */
+
+/* Reach of a centre; 0 where it is not beside a thin wall. */
+static double reach_at(const bvxi_thin *thin, const int32_t at[3])
+{
+    const bvx_grid *const g = &thin->near;
+    uint64_t row, n;
+    size_t first, word;
+
+    for (int a = 0; a < 3; a++)
+        if (at[a] < 0 || at[a] >= g->size[a]) return 0;
+    row = (uint64_t)at[2] * (uint64_t)g->size[1] + (uint64_t)at[1];
+    first = (size_t)row * (size_t)g->words_per_row;
+    word = first + ((size_t)at[0] >> 6);
+    if ((g->words[word] >> (at[0] & 63) & 1) == 0) return 0;
+    n = thin->first[row] + bvxi_popcount(g->words[word] & ((UINT64_C(1) << (at[0] & 63)) - 1));
+    for (size_t k = first; k < word; k++) n += bvxi_popcount(g->words[k]);
+    return thin->reach[n];
+}
+
+/* Does the vertex lie on an edge of the lattice beside a thin wall, and beside no sheet? */
+static int is_of_thin_wall(const flatten_job *f, const double p[3])
+{
+    const bvx_grid *const g = &f->job->thin.near;
+    int32_t low[3], high[3];
+    int axes = 0, thin = 0;
+
+    for (int a = 0; a < 3; a++) {
+        double const v = (p[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - (double)g->low[a] - 0.5;
+
+        low[a] = (int32_t)floor(v + FLATTEN_ON_EDGE);
+        high[a] = (int32_t)floor(v + 1.0 - FLATTEN_ON_EDGE);
+        axes += high[a] != low[a];
+    }
+    if (axes > 1) return 0;
+    for (int end = 0; end < 2; end++) {
+        double const reach = reach_at(&f->job->thin, end == 0 ? low : high);
+
+        if (reach < 0) return 0;
+        thin |= reach > 0;
+    }
+    return thin;
+}
+
+static void world_position(const flatten_job *f, const bvx_mesh_view *view, uint64_t v, double p[3])
+{
+    bvxi_view_position(view, v, p);
+    for (int a = 0; a < 3; a++) p[a] += f->mesh->frame[a];
+}
+
+static uint64_t list_moved(flatten_job *f)
+{
+    bvx_mesh_view view;
+    uint64_t count = 0;
+
+    bvx_mesh_view_of(f->mesh, &view);
+    for (uint64_t v = 0; v < view.vertex_count; v++) {
+        double p[3];
+
+        world_position(f, &view, v, p);
+        f->number[v] = is_of_thin_wall(f, p) ? (uint32_t)++count : 0;
+    }
+    return count;
+}
+
+static void aim_piece(void *user, int32_t piece, int32_t worker)
+{
+    flatten_job *const f = user;
+    bvx_mesh_view view;
+    uint32_t hint = 0;
+    uint64_t begin, end;
+    (void)worker;
+
+    bvx_mesh_view_of(f->mesh, &view);
+    bvxi_piece(view.vertex_count, f->pieces, piece, &begin, &end);
+    for (uint64_t v = begin; v < end; v++) {
+        flatten_vertex *m;
+        bvx_closest_point q;
+        double p[3];
+
+        if (f->number[v] == 0) continue;
+        m = &f->moved[f->number[v] - 1];
+        world_position(f, &view, v, p);
+        bvxi_closest_ask(&f->job->thin.closest, p, &hint, &q);
+        for (int a = 0; a < 3; a++) {
+            m->from[a] = p[a] - f->mesh->frame[a];
+            m->to[a] = q.position[a] + (p[a] - q.position[a]) * FLATTEN_LEFT - f->mesh->frame[a];
+        }
+        m->vertex = (uint32_t)v;
+        m->step = FLATTEN_ALL_THE_WAY;
+    }
+}
+
+/* ---- The triangles around them ---- */
+
+/* The block along an axis that holds a coordinate of the mesh, cut to the window. */
+static int32_t block_along(const flatten_job *f, int axis, double p)
+{
+    double const b = (p - f->block_origin[axis]) * f->block_scale[axis];
+
+    if (!(b > 0)) return 0;
+    return b < (double)f->block_size[axis] ? (int32_t)b : f->block_size[axis] - 1;
+}
+
+/* The blocks of voxels that a triangle reaches, wherever its vertices stand. */
+static void blocks_of(const flatten_job *f, const bvx_mesh_view *all, const uint32_t c[3], int32_t low[3], int32_t high[3])
+{
+    for (int k = 0; k < 3; k++) {
+        double p[2][3]; /* before and after */
+
+        bvxi_view_position(all, c[k], p[0]);
+        memcpy(p[1], p[0], sizeof p[1]);
+        if (f->number[c[k]] != 0) memcpy(p[1], f->moved[f->number[c[k]] - 1].to, sizeof p[1]);
+        for (int end = 0; end < 2; end++)
+            for (int a = 0; a < 3; a++) {
+                int32_t const at = block_along(f, a, p[end][a]);
+
+                if ((k == 0 && end == 0) || at < low[a]) low[a] = at;
+                if ((k == 0 && end == 0) || at > high[a]) high[a] = at;
+            }
+    }
+}
+
+static uint8_t *flatten_blocks(const flatten_job *f, int32_t x, int32_t y, int32_t z)
+{
+    return f->blocks + ((size_t)z * (size_t)f->block_size[1] + (size_t)y) * (size_t)f->block_size[0] + (size_t)x;
+}
+
+static void mark_block_range(flatten_job *f, const int32_t low[3], const int32_t high[3], int32_t more, uint8_t mark)
+{
+    int32_t from[3], to[3];
+
+    for (int a = 0; a < 3; a++) {
+        from[a] = low[a] > more ? low[a] - more : 0;
+        to[a] = high[a] + more < f->block_size[a] ? high[a] + more : f->block_size[a] - 1;
+    }
+    for (int32_t z = from[2]; z <= to[2]; z++)
+        for (int32_t y = from[1]; y <= to[1]; y++)
+            for (int32_t x = from[0]; x <= to[0]; x++) *flatten_blocks(f, x, y, z) |= mark;
+}
+
+/* Blocks that triangles with moved vertices reach, and those beside them: other triangles reach no further than a block. */
+static void mark_blocks_around(flatten_job *f, const bvx_mesh_view *all)
+{
+    for (uint64_t t = 0; t < all->triangle_count; t++) {
+        const uint32_t *const c = f->mesh->triangles + 3 * t;
+        int32_t low[3], high[3];
+
+        if ((f->number[c[0]] | f->number[c[1]] | f->number[c[2]]) == 0) continue;
+        blocks_of(f, all, c, low, high);
+        mark_block_range(f, low, high, 0, FLATTEN_REACHED);
+        mark_block_range(f, low, high, 1, FLATTEN_BESIDE);
+    }
+}
+
+static int is_around(const flatten_job *f, const bvx_mesh_view *all, const uint32_t c[3])
+{
+    int32_t low[3], high[3];
+    double p[3];
+
+    if ((f->number[c[0]] | f->number[c[1]] | f->number[c[2]]) != 0) return 1;
+    bvxi_view_position(all, c[0], p);
+    if (*flatten_blocks(f, block_along(f, 0, p[0]), block_along(f, 1, p[1]), block_along(f, 2, p[2])) == 0) return 0;
+    blocks_of(f, all, c, low, high);
+    for (int32_t z = low[2]; z <= high[2]; z++)
+        for (int32_t y = low[1]; y <= high[1]; y++)
+            for (int32_t x = low[0]; x <= high[0]; x++)
+                if (*flatten_blocks(f, x, y, z) & FLATTEN_REACHED) return 1;
+    return 0;
+}
+
+/* Count the triangles in marked blocks, or with corner list them; their vertices are numbered on the way. */
+static void take_around(flatten_job *f, const bvx_mesh_view *all)
+{
+    uint64_t triangles = 0, vertices = 0;
+
+    for (uint64_t t = 0; t < all->triangle_count; t++) {
+        const uint32_t *const c = f->mesh->triangles + 3 * t;
+
+        if (!is_around(f, all, c)) continue;
+        for (uint64_t k = 0; k < 3; k++) {
+            if (f->corner == NULL) f->local[c[k]] = 1;
+            else f->corner[3 * triangles + k] = f->local[c[k]] - 1;
+        }
+        triangles++;
+    }
+    f->near.triangle_count = triangles;
+    if (f->corner != NULL) return;
+    for (uint64_t v = 0; v < all->vertex_count; v++)
+        if (f->local[v] != 0) f->local[v] = (uint32_t)++vertices;
+    f->near.vertex_count = vertices;
+}
+
+static void number_around(flatten_job *f, uint64_t vertices)
+{
+    for (uint64_t v = 0; v < vertices; v++)
+        if (f->local[v] != 0) f->vertex[f->local[v] - 1] = (uint32_t)v;
+    f->near.positions = f->position;
+    f->near.position_type = BVX_F64;
+    f->near.indices = f->corner;
+    f->near.index_type = BVX_U32;
+}
+
+static bvx_status open_around(flatten_job *f)
+{
+    bvx_context *const ctx = f->job->ctx;
+    const bvx_grid *const g = &f->job->thin.near;
+    uint64_t bytes = 1;
+    bvx_mesh_view all;
+    bvx_status status;
+
+    for (int a = 0; a < 3; a++) {
+        f->block_size[a] = g->size[a] / FLATTEN_BLOCK + 1;
+        f->block_origin[a] = g->lattice.origin[a] + g->lattice.spacing[a] * (double)g->low[a] - f->mesh->frame[a];
+        f->block_scale[a] = 1.0 / (g->lattice.spacing[a] * FLATTEN_BLOCK);
+        bytes *= (uint64_t)f->block_size[a];
+    }
+    bvx_mesh_view_of(f->mesh, &all);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the blocks of thin walls", &f->blocks));
+    mark_blocks_around(f, &all);
+    take_around(f, &all);
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles of thin walls", &f->corner);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 4, "their vertices", &f->vertex);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 24, "their places", &f->position);
+    if (status == BVX_OK) {
+        take_around(f, &all);
+        number_around(f, all.vertex_count);
+    }
+    bvxi_free(ctx, f->blocks, bytes);
+    f->blocks = NULL;
+    return status;
+}
+
+static void read_positions(flatten_job *f)
+{
+    bvx_mesh_view all;
+
+    bvx_mesh_view_of(f->mesh, &all);
+    for (uint64_t v = 0; v < f->near.vertex_count; v++) bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
+}
+
+/* ---- Moving them ---- */
+
+static void write_position(const flatten_job *f, const flatten_vertex *m)
+{
+    static const double share[3] = {1.0, 0.5, 0.0};
+
+    for (int a = 0; a < 3; a++) {
+        double const p = m->step == FLATTEN_STAYS ? m->from[a] : m->from[a] + (m->to[a] - m->from[a]) * share[m->step];
+        uint64_t const i = 3 * (uint64_t)m->vertex + (uint64_t)a;
+
+        if (f->mesh->position_type == BVX_F32) ((float *)f->mesh->positions)[i] = (float)p;
+        else ((double *)f->mesh->positions)[i] = p;
+    }
+}
+
+/* v, t: among those around. */
+static void mark_vertex(flatten_job *f, uint64_t v)
+{
+    uint32_t const number = f->number[f->vertex[v]];
+    flatten_vertex *m;
+
+    if (number == 0) return;
+    m = &f->moved[number - 1];
+    if (m->step == FLATTEN_STAYS || m->back) return;
+    m->back = 1;
+    f->marked++;
+}
+
+static void mark_triangle(flatten_job *f, uint64_t t)
+{
+    for (int k = 0; k < 3; k++) mark_vertex(f, f->corner[3 * t + (uint64_t)k]);
+}
+
+static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
+{
+    bvx_context *const ctx = f->job->ctx;
+    uint64_t count;
+    uint32_t *pairs;
+    bvx_status status;
+
+    BVXI_TRY(bvx_mesh_crossings(ctx, view, &count, NULL, 0));
+    if (count == 0) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the crossings of thin walls", &pairs));
+    status = bvx_mesh_crossings(ctx, view, &count, pairs, count);
+    for (uint64_t n = 0; status == BVX_OK && n < 2 * count; n++) mark_triangle(f, pairs[n]);
+    bvxi_free(ctx, pairs, count * 8);
+    return status;
+}
+
+static void mark_flat(flatten_job *f, const bvx_mesh_view *view)
+{
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        double p[3][3];
+        const double *const corner[3] = {p[0], p[1], p[2]};
+        uint32_t c[3];
+
+        bvxi_view_triangle(view, t, c);
+        for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+        if (!bvxi_has_area(corner)) mark_triangle(f, t);
+    }
+}
+
+static bvx_status mark_common_places(flatten_job *f, const bvx_mesh_view *view)
+{
+    uint64_t const bytes = view->vertex_count * 4;
+    uint64_t different;
+    uint32_t *same;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_alloc(f->job->ctx, BVXI_SCRATCH, bytes, "the places of vertices", &same));
+    status = bvxi_weld(f->job->ctx, view, same, &different);
+    for (uint64_t v = 0; status == BVX_OK && different != view->vertex_count && v < view->vertex_count; v++) {
+        if (same[v] == v) continue;
+        mark_vertex(f, v);
+        mark_vertex(f, same[v]);
+    }
+    bvxi_free(f->job->ctx, same, bytes);
+    return status;
+}
+
+/* Later rounds take the neighbours along, the last one all. */
+static void step_back(flatten_job *f, int32_t round)
+{
+    for (uint64_t n = 0; n < f->count; n++) {
+        flatten_vertex *const m = &f->moved[n];
+
+        if (round >= FLATTEN_ROUNDS) m->step = FLATTEN_STAYS;
+        else if (m->back) m->step = round >= FLATTEN_SINGLE ? FLATTEN_STAYS : (uint8_t)(m->step + 1);
+        m->back = 0;
+    }
+    f->marked = 0;
+}
+
+static bvx_status move_vertices(flatten_job *f)
+{
+    for (int32_t round = 0;; round++) {
+        for (uint64_t n = 0; n < f->count; n++) write_position(f, &f->moved[n]);
+        if (round > FLATTEN_ROUNDS) return BVX_OK;
+        read_positions(f);
+        mark_flat(f, &f->near);
+        BVXI_TRY(mark_common_places(f, &f->near));
+        BVXI_TRY(mark_crossings(f, &f->near));
+        if (f->marked == 0) return BVX_OK;
+        step_back(f, round);
+    }
+}
+
+static bvx_status aim_vertices(flatten_job *f)
+{
+    uint64_t const pieces = f->mesh->vertex_count / FLATTEN_GRAIN + 1;
+
+    f->pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
+    BVXI_TRY(bvxi_alloc_zero(f->job->ctx, BVXI_SCRATCH, f->count * sizeof *f->moved, "the vertices of thin walls", &f->moved));
+    return bvxi_parallel(f->job->ctx, "thin", 0.0, 0.3, f->pieces, aim_piece, f);
+}
+
+bvx_status bvxi_repair_flatten(bvxi_repair_job *job, bvx_mesh *repaired)
+{
+    uint64_t const bytes = repaired->vertex_count * 4;
+    flatten_job f;
+    bvx_status status = BVX_OK;
+
+    if (job->thin.near.words == NULL) return BVX_OK;
+    memset(&f, 0, sizeof f);
+    f.job = job;
+    f.mesh = repaired;
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
+    f.count = list_moved(&f);
+    if (f.count != 0) status = aim_vertices(&f);
+    if (status == BVX_OK && f.count != 0) status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the vertices around them", &f.local);
+    if (status == BVX_OK && f.count != 0) status = open_around(&f);
+    if (status == BVX_OK && f.count != 0) status = move_vertices(&f);
+    bvxi_free(job->ctx, f.position, f.near.vertex_count * 24);
+    bvxi_free(job->ctx, f.vertex, f.near.vertex_count * 4);
+    bvxi_free(job->ctx, f.corner, f.near.triangle_count * 12);
+    bvxi_free(job->ctx, f.local, bytes);
+    bvxi_free(job->ctx, f.moved, f.count * sizeof *f.moved);
+    bvxi_free(job->ctx, f.number, bytes);
+    return status;
+}

@@ -1,0 +1,443 @@
+/* test_fill_auto.c - the rule that suits a mesh: which one is chosen and why, its bits against rules asked for by name on the mesh as
+ * it should have been, and what may not change them. */
+#include "solid_support.h"
+#include <math.h>
+
+enum { SIDE = 48 };
+
+/* ---- Shapes ---- */
+
+static void add_ball(double x, double y, double z, double r)
+{
+    double const centre[3] = {x, y, z}, radius[3] = {r, r, r};
+    maker_star(&mesh, &seed, centre, radius, 0, 40, 32, 1 << 16);
+}
+
+/* A box of 2 n n triangles a side. */
+static void add_fine_box(const double low[3], const double high[3], int32_t n)
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (int side = 0; side < 2; side++) {
+            int const u = (axis + 1) % 3, v = (axis + 2) % 3;
+            uint32_t const first = (uint32_t)mesh.vertices;
+            double p[3];
+
+            p[axis] = side ? high[axis] : low[axis];
+            for (int32_t j = 0; j <= n; j++)
+                for (int32_t i = 0; i <= n; i++) {
+                    p[u] = low[u] + (high[u] - low[u]) * i / n;
+                    p[v] = low[v] + (high[v] - low[v]) * j / n;
+                    maker_vertex(&mesh, p[0], p[1], p[2]);
+                }
+            for (int32_t j = 0; j < n; j++)
+                for (int32_t i = 0; i < n; i++) {
+                    uint32_t const a = first + (uint32_t)(j * (n + 1) + i), b = a + 1, c = a + (uint32_t)n + 1, d = c + 1;
+                    if (side) maker_quad(&mesh, a, b, d, c, 0);
+                    else maker_quad(&mesh, a, c, d, b, 0);
+                }
+        }
+}
+
+static void turn_part(size_t first, size_t end)
+{
+    for (size_t i = 3 * first; i < 3 * end; i += 3) {
+        uint32_t const second = mesh.t[i + 1];
+        mesh.t[i + 1] = mesh.t[i + 2];
+        mesh.t[i + 2] = second;
+    }
+}
+
+static bvx_grid by_auto(const bvx_lattice *l, bvx_solid_report *r)
+{
+    return solid_by(ctx, l, NULL, BVX_FILL_AUTO, r);
+}
+
+static void assert_chosen(const bvx_solid_report *r, int32_t fill, int32_t reason, uint64_t turned)
+{
+    TEST_ASSERT_EQUAL_INT32(fill, r->fill);
+    TEST_ASSERT_EQUAL_INT32(reason, r->fill_reason);
+    TEST_ASSERT_EQUAL_UINT64(turned, r->turned);
+}
+
+/* ---- Overlaps and flipped triangles ---- */
+
+static void test_one_flipped_triangle_leaves_a_union_of_balls_whole(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid good, g;
+    add_ball(19.3, 24.1, 24.2, 12);
+    add_ball(29.6, 24.4, 23.7, 12);
+    good = solid_of(&l, BVX_FILL_NONZERO);
+
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "two balls");
+    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
+    bvx_grid_free(ctx, &g);
+
+    turn_part(700, 701);
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "one triangle flipped");
+    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 1);
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &good);
+}
+
+static void test_one_flipped_triangle_leaves_a_union_of_cubes_whole(void)
+{
+    double const low[3] = {4, 4, 4}, high[3] = {36, 36, 36}, bar_low[3] = {20, 10, 10}, bar_high[3] = {46, 30, 30};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid g;
+    add_fine_box(low, high, 8);
+    add_fine_box(bar_low, bar_high, 8);
+    turn_part(1000, 1001);
+    g = by_auto(&l, &r);
+    TEST_ASSERT_EQUAL_UINT64(32 * 32 * 32 + 10 * 20 * 20, set_voxels(&g));
+    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 1);
+    bvx_grid_free(ctx, &g);
+}
+
+static void test_a_part_inside_out_that_overlaps_is_turned(void)
+{
+    double const low[3] = {4, 4, 4}, high[3] = {36, 36, 36}, bar_low[3] = {20, 10, 10}, bar_high[3] = {46, 30, 30};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid g;
+    add_fine_box(low, high, 2);
+    size_t const first = mesh.triangles;
+    add_fine_box(bar_low, bar_high, 2);
+    turn_part(first, mesh.triangles);
+    g = by_auto(&l, &r);
+    TEST_ASSERT_EQUAL_UINT64(32 * 32 * 32 + 10 * 20 * 20, set_voxels(&g));
+    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 48);
+    bvx_grid_free(ctx, &g);
+}
+
+static void test_a_part_inside_out_beside_a_right_one_is_inside(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid good, g;
+    add_ball(12.3, 14.1, 14.2, 9);
+    size_t const first = mesh.triangles;
+    add_ball(33.6, 30.4, 33.7, 11);
+    good = solid_of(&l, BVX_FILL_PARITY);
+    turn_part(first, mesh.triangles);
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "one ball inside out");
+    assert_chosen(&r, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0);
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &good);
+}
+
+static void test_doubled_triangles_are_there_once(void)
+{
+    double const low[3] = {4, 4, 4}, high[3] = {36, 36, 36};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid g;
+    add_fine_box(low, high, 2);
+    for (size_t i = 0, n = mesh.triangles; i < n; i++) maker_duplicate(&mesh, i);
+    g = by_auto(&l, &r);
+    TEST_ASSERT_EQUAL_UINT64(32 * 32 * 32, set_voxels(&g));
+    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
+    bvx_grid_free(ctx, &g);
+}
+
+/* ---- Cavities ---- */
+
+static void test_cavities_stay_cavities(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid good, g;
+    add_ball(24.3, 24.1, 24.2, 20);
+    size_t const first = mesh.triangles;
+    add_ball(25.3, 23.1, 24.2, 9);
+    good = solid_of(&l, BVX_FILL_PARITY);
+
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "a cavity that faces outwards");
+    assert_chosen(&r, BVX_FILL_PARITY, BVX_FILL_REASON_NESTED, 0);
+    bvx_grid_free(ctx, &g);
+
+    turn_part(first, mesh.triangles);
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "a cavity that faces inwards");
+    assert_chosen(&r, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0);
+    bvx_grid_free(ctx, &g);
+
+    turn_part(first + 3, first + 5);
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "a cavity with two triangles flipped");
+    assert_chosen(&r, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 2);
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &good);
+}
+
+/* A cavity inside one of two parts that overlap is one deep less one. */
+static void test_cavities_stay_beside_overlaps(void)
+{
+    double const low[3] = {2, 2, 2}, high[3] = {30, 30, 30}, bar_low[3] = {20, 10, 10}, bar_high[3] = {46, 30, 30};
+    double const hole_low[3] = {6, 6, 6}, hole_high[3] = {14, 16, 12};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid g;
+    add_fine_box(low, high, 2);
+    add_fine_box(bar_low, bar_high, 2);
+    size_t const first = mesh.triangles;
+    add_fine_box(hole_low, hole_high, 2);
+    turn_part(first, mesh.triangles);
+    g = by_auto(&l, &r);
+    TEST_ASSERT_EQUAL_UINT64(28 * 28 * 28 + 26 * 20 * 20 - 10 * 20 * 20 - 8 * 10 * 6, set_voxels(&g));
+    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
+    bvx_grid_free(ctx, &g);
+}
+
+/* ---- Holes ---- */
+
+static void test_holes_are_filled_by_winding_after_turning(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid good, g;
+    add_ball(19.3, 24.1, 24.2, 12);
+    add_ball(29.6, 24.4, 23.7, 12);
+    maker_remove(&mesh, 300);
+    good = solid_of(&l, BVX_FILL_WINDING);
+    turn_part(100, 103);
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "a hole, and three triangles flipped");
+    assert_chosen(&r, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 3);
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &good);
+}
+
+/* Without the sides that rows along x meet, every row is empty and so balanced. */
+static void test_a_box_without_two_sides_is_open(void)
+{
+    double const low[3] = {8, 8, 8}, high[3] = {40, 40, 40};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid g;
+    maker_box(&mesh, low, high);
+    for (int i = 0; i < 4; i++) maker_remove(&mesh, 0);
+    g = by_auto(&l, &r);
+    assert_chosen(&r, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 0);
+    TEST_ASSERT_TRUE(set_voxels(&g) > 15000);
+    bvx_grid_free(ctx, &g);
+}
+
+static void test_what_cannot_be_oriented_is_voted_on(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid good, g;
+    uint32_t first;
+    add_ball(24.3, 24.1, 24.2, 12);
+    first = (uint32_t)mesh.vertices; /* a strip of five triangles that is turned once: Moebius' band */
+    for (int i = 0; i < 5; i++) maker_vertex(&mesh, 4 + 3 * (i % 3), 4 + 5 * (i % 2), 4 + i);
+    for (uint32_t i = 0; i < 5; i++) maker_triangle(&mesh, first + i, first + (i + 1) % 5, first + (i + 2) % 5);
+    good = solid_of(&l, BVX_FILL_VOTE);
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "a band with one side");
+    TEST_ASSERT_EQUAL_INT32(BVX_FILL_VOTE, r.fill);
+    TEST_ASSERT_EQUAL_INT32(BVX_FILL_REASON_UNORIENTABLE, r.fill_reason);
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &good);
+}
+
+/* ---- What changes nothing ---- */
+
+static void make_some_balls(int32_t trial)
+{
+    maker_clear(&mesh);
+    if (trial % 7 == 3) {
+        add_ball(24, 24, 24, 20);
+        add_ball(24, 25, 24, 12);
+        return;
+    }
+    for (int n = 0; n < 1 + trial % 4; n++) {
+        double const centre[3] = {maker_between(&seed, 10, 38, 16), maker_between(&seed, 10, 38, 16), maker_between(&seed, 10, 38, 16)};
+        double const radius[3] = {4 + maker_below(&seed, 12), 4 + maker_below(&seed, 12), 4 + maker_below(&seed, 12)};
+        size_t const first = mesh.triangles;
+        maker_star(&mesh, &seed, centre, radius, 0.4, 6 + maker_below(&seed, 4), 5 + maker_below(&seed, 4), 16);
+        if (maker_below(&seed, 3) == 0) turn_part(first, mesh.triangles);
+    }
+    for (int n = trial % 3; n-- > 0;) {
+        size_t const i = (size_t)maker_below(&seed, (int32_t)mesh.triangles);
+        turn_part(i, i + 1);
+    }
+    if (trial % 5 == 0) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+}
+
+static void test_windows_are_cut_out_of_the_whole(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, 47, 49);
+    int32_t seen[6] = {0};
+    for (int32_t trial = 0; trial < (quick ? 20 : 120); trial++) {
+        bvx_solid_report whole_report, r;
+        bvx_window w;
+        bvx_grid whole, g;
+        make_some_balls(trial);
+        whole = by_auto(&l, &whole_report);
+        seen[whole_report.fill_reason]++;
+        for (int a = 0; a < 3; a++) {
+            w.low[a] = maker_below(&seed, 30);
+            w.size[a] = 1 + maker_below(&seed, 17);
+        }
+        g = solid_by(ctx, &l, &w, BVX_FILL_AUTO, &r);
+        TEST_ASSERT_EQUAL_INT32(whole_report.fill_reason, r.fill_reason);
+        TEST_ASSERT_EQUAL_UINT64(whole_report.turned, r.turned);
+        for (int32_t z = 0; z < w.size[2]; z++)
+            for (int32_t y = 0; y < w.size[1]; y++)
+                for (int32_t x = 0; x < w.size[0]; x++)
+                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, w.low[0] + x, w.low[1] + y, w.low[2] + z), bvx_grid_get(&g, x, y, z));
+        bvx_grid_free(ctx, &g);
+        bvx_grid_free(ctx, &whole);
+    }
+    for (int32_t i = BVX_FILL_REASON_SOUND; i <= BVX_FILL_REASON_OPEN; i++) TEST_ASSERT_TRUE(seen[i] > 0);
+}
+
+/* Lattices of so many rows are looked at with longer voxels: a window must choose as the whole does, and cost as little as it is. */
+static void test_windows_of_many_rows_choose_as_the_whole(void)
+{
+    bvx_lattice const l = lattice_of(8, 2100, 2100);
+    bvx_window const w = {{1, 1000, 1000}, {6, 40, 50}};
+    double const first[2][3] = {{1, 100, 100}, {5, 1100, 1100}}, second[2][3] = {{3, 900, 900}, {7, 1900, 1900}};
+    bvx_solid_report whole_report, r;
+    bvx_grid whole, g;
+
+    maker_clear(&mesh);
+    add_fine_box(first[0], first[1], 2);
+    add_fine_box(second[0], second[1], 2);
+    whole = by_auto(&l, &whole_report);
+    g = solid_by(ctx, &l, &w, BVX_FILL_AUTO, &r);
+
+    assert_chosen(&whole_report, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
+    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
+    for (int32_t z = 0; z < w.size[2]; z++)
+        for (int32_t y = 0; y < w.size[1]; y++)
+            for (int32_t x = 0; x < w.size[0]; x++)
+                TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, w.low[0] + x, w.low[1] + y, w.low[2] + z), bvx_grid_get(&g, x, y, z));
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &whole);
+}
+
+static void test_sound_meshes_have_the_bits_of_parity(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, 47, 130);
+    for (int32_t trial = 0; trial < (quick ? 4 : 20); trial++) {
+        double const centre[3] = {24, 24, 60}, radius[3] = {20, 18, 50};
+        bvx_solid_report r;
+        bvx_grid good, g;
+        maker_clear(&mesh);
+        maker_star(&mesh, &seed, centre, radius, 0.5, 7 + trial, 9 + trial, 4);
+        if (trial % 2) turn_part(0, mesh.triangles);
+        good = solid_of(&l, BVX_FILL_PARITY);
+        g = by_auto(&l, &r);
+        assert_same_bits(&good, &g, "a star");
+        assert_chosen(&r, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0);
+        bvx_grid_free(ctx, &g);
+        bvx_grid_free(ctx, &good);
+    }
+}
+
+static void test_order_and_threads_change_nothing(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    for (int32_t trial = 0; trial < (quick ? 8 : 40); trial++) {
+        bvx_context *const three = context_with(3, 0);
+        bvx_solid_report r, shuffled;
+        bvx_grid g, again;
+        make_some_balls(trial);
+        g = by_auto(&l, &r);
+        maker_shuffle_triangles(&mesh, &seed);
+        maker_shuffle_vertices(&mesh, &seed);
+        again = solid_by(three, &l, NULL, BVX_FILL_AUTO, &shuffled);
+        assert_same_bits(&g, &again, "shuffled, three threads");
+        assert_chosen(&shuffled, r.fill, r.fill_reason, r.turned);
+        bvx_grid_free(three, &again);
+        bvx_context_destroy(three);
+        bvx_grid_free(ctx, &g);
+    }
+}
+
+/* Triangles without indices share no vertex, only positions; vertices that nobody uses may be anything. */
+static void test_soups_and_unused_vertices(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    maker_mesh shared;
+    bvx_solid_report r;
+    bvx_grid good, g;
+    add_ball(19.3, 24.1, 24.2, 12);
+    add_ball(29.6, 24.4, 23.7, 12);
+    good = solid_of(&l, BVX_FILL_NONZERO);
+    maker_vertex(&mesh, (double)NAN, 0, 0);
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "a vertex that nobody uses");
+    bvx_grid_free(ctx, &g);
+
+    shared = mesh;
+    memset(&mesh, 0, sizeof mesh);
+    for (size_t i = 0; i < 3 * shared.triangles; i++) {
+        const double *const p = shared.p + 3 * (size_t)shared.t[i];
+        maker_vertex(&mesh, p[0], p[1], p[2]);
+    }
+    for (uint32_t i = 0; i < shared.triangles; i++) maker_triangle(&mesh, 3 * i, 3 * i + 1, 3 * i + 2);
+    maker_free(&shared);
+    g = by_auto(&l, &r);
+    assert_same_bits(&good, &g, "a soup");
+    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &good);
+}
+
+static void test_indices_beyond_the_vertices_are_refused(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_mesh_view view;
+    bvx_grid g = {0};
+    add_ball(24, 24, 24, 9);
+    mesh.t[100] = (uint32_t)mesh.vertices;
+    view = maker_view(&mesh);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, fill_with(ctx, &view, &l, NULL, BVX_FILL_AUTO, &g, NULL));
+    TEST_ASSERT_NULL(g.words);
+}
+
+/* Rules asked for by name are told as such. */
+static void test_rules_by_name_are_reported(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    add_ball(24, 24, 24, 9);
+    for (int32_t fill = BVX_FILL_PARITY; fill < BVX_FILL_AUTO; fill++) {
+        bvx_solid_report r;
+        bvx_grid g = solid_by(ctx, &l, NULL, fill, &r);
+        assert_chosen(&r, fill, BVX_FILL_REASON_ASKED, 0);
+        bvx_grid_free(ctx, &g);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_one_flipped_triangle_leaves_a_union_of_balls_whole);
+    RUN_TEST(test_one_flipped_triangle_leaves_a_union_of_cubes_whole);
+    RUN_TEST(test_a_part_inside_out_that_overlaps_is_turned);
+    RUN_TEST(test_a_part_inside_out_beside_a_right_one_is_inside);
+    RUN_TEST(test_doubled_triangles_are_there_once);
+    RUN_TEST(test_cavities_stay_cavities);
+    RUN_TEST(test_cavities_stay_beside_overlaps);
+    RUN_TEST(test_holes_are_filled_by_winding_after_turning);
+    RUN_TEST(test_a_box_without_two_sides_is_open);
+    RUN_TEST(test_what_cannot_be_oriented_is_voted_on);
+    RUN_TEST(test_windows_are_cut_out_of_the_whole);
+    RUN_TEST(test_windows_of_many_rows_choose_as_the_whole);
+    RUN_TEST(test_sound_meshes_have_the_bits_of_parity);
+    RUN_TEST(test_order_and_threads_change_nothing);
+    RUN_TEST(test_soups_and_unused_vertices);
+    RUN_TEST(test_indices_beyond_the_vertices_are_refused);
+    RUN_TEST(test_rules_by_name_are_reported);
+    return UNITY_END();
+}
