@@ -91,8 +91,14 @@ typedef struct bvx_context bvx_context;
 typedef void *bvx_alloc_fn(void *user, size_t size, size_t align);
 /** Takes back what bvx_alloc_fn gave, with the same size and align. */
 typedef void bvx_free_fn(void *user, void *block, size_t size, size_t align);
-/** Called on the calling thread between pieces of work; fraction grows from 0 to 1 within a stage.
- *  A result other than 0 cancels. */
+/** Called on the calling thread between pieces of work. fraction is that of the whole call, from 0 to 1, whatever other
+ *  functions it calls: it never falls, stays below 1 while there is work, and is roughly the share of the time. stage names
+ *  what is done now, or the function where it reports nothing in between; it may change at any fraction.
+ *  The last report of a call that succeeds is exactly 1; a call that fails makes none of 1. The next call begins anew.
+ *  A result other than 0 cancels: the call returns BVX_CANCELLED. The result of the report of 1 is ignored, for the call has
+ *  ended and its results stay.
+ *  All functions that take a context and return a status report so, except bvx_lattice_make, bvx_grid_create,
+ *  bvx_octree_lattice, bvx_octree_neighbours and bvx_volume_data_name, which are too small and report nothing. */
 typedef int32_t bvx_progress_fn(void *user, const char *stage, double fraction);
 /** One piece of parallel work; worker is below the context's thread count and never runs two pieces at once. */
 typedef void bvx_task_fn(void *task_user, int32_t index, int32_t worker);

@@ -107,6 +107,7 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     c->parallel_user = o.parallel_user;
     c->progress = o.progress;
     c->progress_user = o.progress_user;
+    c->share[0].high = 1.0;
     c->threads = threads;
     if (size > aligned_size(sizeof *c)) place_pool(c);
     c->cpu = choose_cpu(o.cpu);

@@ -12,6 +12,13 @@ typedef struct bvxi_arena {
 
 typedef struct bvxi_pool bvxi_pool;
 
+/* Where in a public call, from 0 to 1, a work reports. */
+typedef struct bvxi_share {
+    double low, high;
+} bvxi_share;
+
+enum { BVXI_SHARES = 12 }; /* more works in each other than calls have */
+
 struct bvx_context {
     bvx_alloc_fn *alloc;
     bvx_free_fn *free;
@@ -25,6 +32,10 @@ struct bvx_context {
     int32_t threads, cpu;
     size_t size;     /* of the context and the pool behind it */
     bvxi_pool *pool; /* helpers of the calling thread; NULL: none */
+    bvxi_share share[BVXI_SHARES]; /* the first is the call's */
+    const char *stage;             /* reported last; the function's name before */
+    double reached;                /* reported last */
+    int32_t calls, shares;         /* public calls in each other; shares in the call's */
     char message[BVXI_MESSAGE_SIZE];
 };
 

@@ -82,15 +82,26 @@ size_t bvxi_parse_float(const char *text, const char *end, float *value);
 
 /* ---- parallel.c ---- */
 
-/* Run count tasks. stage names them for progress; their share of the stage's progress is [from, to].
+/* Run count tasks. stage names them for progress; their share of the work's progress is [from, to].
  * Progress is asked between batches on the calling thread. Returns BVX_OK or BVX_CANCELLED. */
 bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                          bvx_task_fn *task, void *user);
-/* Report progress; BVX_CANCELLED when the caller wants to stop. */
-bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction);
 int32_t bvxi_threads(const bvx_context *ctx);
 /* BVX_CPU_PORTABLE or the fast path that may run. */
 int32_t bvxi_cpu(const bvx_context *ctx);
+
+/* ---- progress.c ---- */
+
+/* The work of a public function, with one rise of progress around it; inside another public function it is a part of that. */
+#define BVXI_CALL(ctx, call) (bvxi_call_begin(ctx, __func__), bvxi_call_end(ctx, (call)))
+void bvxi_call_begin(bvx_context *ctx, const char *function);
+bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status);
+/* Work that reports 0 to 1 while the present one goes from `from` to `to`. */
+#define BVXI_SHARE(ctx, from, to, work) (bvxi_share_begin(ctx, from, to), bvxi_share_end(ctx, (work)))
+void bvxi_share_begin(bvx_context *ctx, double from, double to);
+bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status);
+/* Report how far the present work is, 0 to 1; BVX_CANCELLED when the caller wants to stop. */
+bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction);
 
 /* Piece i of n of a range of count items: [*begin, *end). */
 static inline void bvxi_piece(uint64_t count, int32_t n, int32_t i, uint64_t *begin, uint64_t *end)

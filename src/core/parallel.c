@@ -6,12 +6,6 @@
 
 enum { BATCHES = 8, TASKS_PER_WORKER = 16 };
 
-bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction)
-{
-    if (ctx->progress == NULL || ctx->progress(ctx->progress_user, stage, fraction) == 0) return BVX_OK;
-    return bvxi_fail(ctx, BVX_CANCELLED, "%s: cancelled by the progress callback", stage);
-}
-
 typedef struct shifted {
     bvx_task_fn *task;
     void *user;

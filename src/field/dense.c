@@ -46,8 +46,8 @@ static bvx_status check_far(bvx_context *ctx, const char *function, const bvx_fi
     return BVX_OK;
 }
 
-bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh, int32_t far_rule, int32_t vectors,
-                           float *values)
+static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
+                                  int32_t far_rule, int32_t vectors, float *values)
 {
     static const char function[] = "bvx_field_dense";
     dense_job job;
@@ -62,4 +62,10 @@ bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const b
     job.pieces = bvxi_piece_count(bvxi_grid_rows(&field->band), 1 + DENSE_GRAIN / (uint64_t)field->band.size[0]);
     BVXI_TRY(bvxi_parallel(context, "dense field", 0.0, far_rule == BVX_FAR_CONSTANT ? 1.0 : 0.1, job.pieces, write_dense_rows, &job));
     return far_rule == BVX_FAR_CONSTANT ? BVX_OK : bvxi_field_propagate(context, function, field, mesh, vectors, values);
+}
+
+bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh, int32_t far_rule, int32_t vectors,
+                           float *values)
+{
+    return BVXI_CALL(context, run_field_dense(context, field, mesh, far_rule, vectors, values));
 }

@@ -245,8 +245,9 @@ static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, me
     return negate_inside(ctx, f);
 }
 
-bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                             const bvx_field_options *options, bvx_field *field)
+static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *mesh,
+                                    const bvx_lattice *lattice, const bvx_field_options *options,
+                                    bvx_field *field)
 {
     measure_job job;
     bvx_status status;
@@ -266,4 +267,10 @@ bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, co
     bvx_field_free(context, field);
     *field = job.field;
     return BVX_OK;
+}
+
+bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                             const bvx_field_options *options, bvx_field *field)
+{
+    return BVXI_CALL(context, run_measure_field(context, mesh, lattice, options, field));
 }

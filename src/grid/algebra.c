@@ -105,25 +105,25 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
 
 bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
 {
-    return combine_grids(context, "bvx_grid_union", a, b, ALGEBRA_UNION, result);
+    return BVXI_CALL(context, combine_grids(context, "bvx_grid_union", a, b, ALGEBRA_UNION, result));
 }
 
 bvx_status bvx_grid_intersection(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
 {
-    return combine_grids(context, "bvx_grid_intersection", a, b, ALGEBRA_INTERSECTION, result);
+    return BVXI_CALL(context, combine_grids(context, "bvx_grid_intersection", a, b, ALGEBRA_INTERSECTION, result));
 }
 
 bvx_status bvx_grid_subtract(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
 {
-    return combine_grids(context, "bvx_grid_subtract", a, b, ALGEBRA_SUBTRACT, result);
+    return BVXI_CALL(context, combine_grids(context, "bvx_grid_subtract", a, b, ALGEBRA_SUBTRACT, result));
 }
 
 bvx_status bvx_grid_xor(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
 {
-    return combine_grids(context, "bvx_grid_xor", a, b, ALGEBRA_XOR, result);
+    return BVXI_CALL(context, combine_grids(context, "bvx_grid_xor", a, b, ALGEBRA_XOR, result));
 }
 
 bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *grid, bvx_grid *result)
 {
-    return combine_grids(context, "bvx_grid_complement", grid, grid, ALGEBRA_COMPLEMENT, result);
+    return BVXI_CALL(context, combine_grids(context, "bvx_grid_complement", grid, grid, ALGEBRA_COMPLEMENT, result));
 }

@@ -317,8 +317,8 @@ static bvx_status check_cast_rays(bvx_context *ctx, const char *function, const 
     return BVX_OK;
 }
 
-bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count, double t_max,
-                         bvx_ray_hit *hits)
+static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays,
+                                uint64_t count, double t_max, bvx_ray_hit *hits)
 {
     static const char *const function = "bvx_grid_cast";
     bvxi_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
@@ -337,4 +337,10 @@ bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const doubl
     status = bvxi_parallel(context, "cast", 0.05, 1.0, w.pieces, cast_piece, &w);
     bvxi_bricks_free(context, &bricks);
     return status;
+}
+
+bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count, double t_max,
+                         bvx_ray_hit *hits)
+{
+    return BVXI_CALL(context, run_grid_cast(context, grid, rays, count, t_max, hits));
 }

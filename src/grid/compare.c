@@ -223,7 +223,8 @@ static void report_comparison(const compare_sums *all, bvx_grid_difference *d)
     }
 }
 
-bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid_difference *difference)
+static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
+                                   bvx_grid_difference *difference)
 {
     static const char *const function = "bvx_grid_compare";
     compare_work w = {{a, b}, NULL, 0};
@@ -242,4 +243,9 @@ bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_g
     report_comparison(&all, &d);
     *difference = d;
     return BVX_OK;
+}
+
+bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid_difference *difference)
+{
+    return BVXI_CALL(context, run_grid_compare(context, a, b, difference));
 }

@@ -68,7 +68,7 @@ static int32_t crop_pieces(const bvx_grid *grid)
     return (uint64_t)pieces > bvxi_grid_rows(grid) ? (int32_t)bvxi_grid_rows(grid) : pieces;
 }
 
-bvx_status bvx_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window)
+static bvx_status run_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window)
 {
     static const char *const function = "bvx_grid_content";
     content_job job;
@@ -86,6 +86,11 @@ bvx_status bvx_grid_content(bvx_context *context, const bvx_grid *grid, bvx_wind
     if (status == BVX_OK) join_content(&job, window);
     bvxi_free(context, job.box, bytes);
     return status;
+}
+
+bvx_status bvx_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window)
+{
+    return BVXI_CALL(context, run_grid_content(context, grid, window));
 }
 
 /* ---- another window, another lattice ---- */
@@ -136,7 +141,8 @@ static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_gr
     return bvxi_grid_fill_by(ctx, "crop", job.pieces, crop_piece, &job, mine, result);
 }
 
-bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window, bvx_grid *result)
+static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window,
+                                bvx_grid *result)
 {
     static const char *const function = "bvx_grid_crop";
     int32_t from[3];
@@ -148,7 +154,13 @@ bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_w
     return move_grid(context, function, grid, &grid->lattice, &w, from, result);
 }
 
-bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3], const int32_t high[3], bvx_grid *result)
+bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window, bvx_grid *result)
+{
+    return BVXI_CALL(context, run_grid_crop(context, grid, window, result));
+}
+
+static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3],
+                               const int32_t high[3], bvx_grid *result)
 {
     static const char *const function = "bvx_grid_pad";
     int32_t dims[3], from[3];
@@ -174,4 +186,9 @@ bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_
     }
     BVXI_TRY(bvxi_lattice_build(context, function, origin, grid->lattice.spacing, dims, &lattice));
     return move_grid(context, function, grid, &lattice, &w, from, result);
+}
+
+bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3], const int32_t high[3], bvx_grid *result)
+{
+    return BVXI_CALL(context, run_grid_pad(context, grid, low, high, result));
 }

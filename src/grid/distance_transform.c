@@ -165,8 +165,9 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
     return BVX_OK;
 }
 
-bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options, int32_t value_type, void *values,
-                             uint64_t capacity)
+static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
+                                    const bvx_distance_options *options, int32_t value_type, void *values,
+                                    uint64_t capacity)
 {
     static const char *const function = "bvx_grid_distance";
     distance_job job;
@@ -184,8 +185,15 @@ bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid, const b
     return measure_grid_distances(context, &job);
 }
 
-bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options, uint32_t *squares,
-                                     uint64_t capacity)
+bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options, int32_t value_type, void *values,
+                             uint64_t capacity)
+{
+    return BVXI_CALL(context, run_grid_distance(context, grid, options, value_type, values, capacity));
+}
+
+static bvx_status run_grid_distance_squares(bvx_context *context, const bvx_grid *grid,
+                                            const bvx_distance_options *options, uint32_t *squares,
+                                            uint64_t capacity)
 {
     static const char *const function = "bvx_grid_distance_squares";
     const double *s;
@@ -204,4 +212,10 @@ bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid,
                          function, (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
     job.squares = squares;
     return measure_grid_distances(context, &job);
+}
+
+bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options, uint32_t *squares,
+                                     uint64_t capacity)
+{
+    return BVXI_CALL(context, run_grid_distance_squares(context, grid, options, squares, capacity));
 }

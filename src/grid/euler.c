@@ -92,7 +92,8 @@ static bvx_status count_cavities(bvx_context *ctx, const bvx_grid *grid, int32_t
     return status;
 }
 
-bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid, int32_t connectivity, bvx_topology *topology)
+static bvx_status run_grid_topology(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
+                                    bvx_topology *topology)
 {
     bvx_topology t = {0};
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -107,4 +108,9 @@ bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid, int32_t
     t.tunnels = (int64_t)(t.components + t.cavities) - t.euler;
     *topology = t;
     return BVX_OK;
+}
+
+bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid, int32_t connectivity, bvx_topology *topology)
+{
+    return BVXI_CALL(context, run_grid_topology(context, grid, connectivity, topology));
 }

@@ -66,8 +66,8 @@ static bvx_status fill_from_seeds(bvx_context *ctx, const bvx_grid *walls, const
     return status;
 }
 
-bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds, uint64_t seed_count, int32_t connectivity,
-                         bvx_grid *filled)
+static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds,
+                                uint64_t seed_count, int32_t connectivity, bvx_grid *filled)
 {
     bvx_window window;
     bvx_grid made;
@@ -91,4 +91,10 @@ bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int3
     }
     *filled = made;
     return BVX_OK;
+}
+
+bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds, uint64_t seed_count, int32_t connectivity,
+                         bvx_grid *filled)
+{
+    return BVXI_CALL(context, run_grid_fill(context, walls, seeds, seed_count, connectivity, filled));
 }

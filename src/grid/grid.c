@@ -105,7 +105,7 @@ bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bv
     return (set & past) == 0 ? BVX_OK : bvxi_grid_fail_past(ctx, function, grid);
 }
 
-bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count)
+static bvx_status run_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count)
 {
     uint64_t n = 0, words;
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -117,7 +117,12 @@ bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *
     return BVX_OK;
 }
 
-bvx_status bvx_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *hash)
+bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count)
+{
+    return BVXI_CALL(context, run_grid_count(context, grid, count));
+}
+
+static bvx_status run_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *hash)
 {
     bvxi_hash h;
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -134,4 +139,9 @@ bvx_status bvx_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *h
     bvxi_hash_u64(&h, grid->words, (size_t)bvxi_grid_words(grid));
     *hash = bvxi_hash_end(&h);
     return BVX_OK;
+}
+
+bvx_status bvx_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *hash)
+{
+    return BVXI_CALL(context, run_grid_hash(context, grid, hash));
 }

@@ -194,7 +194,8 @@ static bvx_status make_shell(bvx_context *ctx, const char *function, const bvx_g
     return o->drain_radius > 0.0 ? make_hole(ctx, function, o, hollow, shell, report) : BVX_OK;
 }
 
-bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options, bvx_grid *result)
+static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
+                                  const bvx_hollow_options *options, bvx_grid *result)
 {
     static const char *const function = "bvx_grid_hollow";
     bvx_hollow_options o = hollow_defaults;
@@ -226,4 +227,9 @@ bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx
     *result = made;
     if (o.report != NULL) *o.report = report;
     return BVX_OK;
+}
+
+bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options, bvx_grid *result)
+{
+    return BVXI_CALL(context, run_grid_hollow(context, grid, options, result));
 }

@@ -164,7 +164,8 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
     return status;
 }
 
-bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options, bvx_grid *result)
+static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
+                                bvx_grid *result)
 {
     bvx_keep_options o = keep_defaults;
     bvx_grid made;
@@ -179,6 +180,11 @@ bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_k
     if (status == BVX_OK) *result = made;
     else if (result->words == NULL) bvx_grid_free(context, &made);
     return status;
+}
+
+bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options, bvx_grid *result)
+{
+    return BVXI_CALL(context, run_grid_keep(context, grid, options, result));
 }
 
 bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t connectivity, uint64_t at_most,
@@ -200,8 +206,8 @@ bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_g
     return BVX_OK;
 }
 
-bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint64_t at_most, bvx_grid *result,
-                                  uint64_t *filled)
+static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
+                                         uint64_t at_most, bvx_grid *result, uint64_t *filled)
 {
     bvx_grid made;
     bvx_status status;
@@ -214,4 +220,10 @@ bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, in
     if (status == BVX_OK) *result = made;
     else if (result->words == NULL) bvx_grid_free(context, &made);
     return status;
+}
+
+bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint64_t at_most, bvx_grid *result,
+                                  uint64_t *filled)
+{
+    return BVXI_CALL(context, run_grid_fill_cavities(context, grid, connectivity, at_most, result, filled));
 }

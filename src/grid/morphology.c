@@ -183,23 +183,23 @@ static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_
 bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result)
 {
     bvxi_morph morph = {"dilate", {BVXI_DILATE, BVXI_DILATE}, 1, 0, 0, 0, {0, 0, 0}, 0};
-    return change_grid(context, "bvx_grid_dilate", grid, options, &morph, result);
+    return BVXI_CALL(context, change_grid(context, "bvx_grid_dilate", grid, options, &morph, result));
 }
 
 bvx_status bvx_grid_erode(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result)
 {
     bvxi_morph morph = {"erode", {BVXI_ERODE, BVXI_ERODE}, 1, 0, 0, 0, {0, 0, 0}, 0};
-    return change_grid(context, "bvx_grid_erode", grid, options, &morph, result);
+    return BVXI_CALL(context, change_grid(context, "bvx_grid_erode", grid, options, &morph, result));
 }
 
 bvx_status bvx_grid_open(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result)
 {
     bvxi_morph morph = {"open", {BVXI_ERODE, BVXI_DILATE}, 2, 0, 0, 0, {0, 0, 0}, 0};
-    return change_grid(context, "bvx_grid_open", grid, options, &morph, result);
+    return BVXI_CALL(context, change_grid(context, "bvx_grid_open", grid, options, &morph, result));
 }
 
 bvx_status bvx_grid_close(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result)
 {
     bvxi_morph morph = {"close", {BVXI_DILATE, BVXI_ERODE}, 2, 0, 0, 0, {0, 0, 0}, 0};
-    return change_grid(context, "bvx_grid_close", grid, options, &morph, result);
+    return BVXI_CALL(context, change_grid(context, "bvx_grid_close", grid, options, &morph, result));
 }

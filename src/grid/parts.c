@@ -45,8 +45,8 @@ static void list_parts(const bvxi_spaces *spaces, bvx_component *parts)
         for (int32_t a = 0; a < 3; a++) parts[i].size[a] -= parts[i].low[a];
 }
 
-bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity, bvx_component *parts,
-                               uint64_t capacity, uint64_t *count)
+static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
+                                      bvx_component *parts, uint64_t capacity, uint64_t *count)
 {
     bvxi_spaces spaces;
     bvx_status status = BVX_OK;
@@ -61,6 +61,12 @@ bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32
     else if (parts != NULL) list_parts(&spaces, parts);
     bvxi_spaces_free(&spaces);
     return status;
+}
+
+bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity, bvx_component *parts,
+                               uint64_t capacity, uint64_t *count)
+{
+    return BVXI_CALL(context, run_grid_components(context, grid, connectivity, parts, capacity, count));
 }
 
 /* ---- Numbers of voxels ---- */
@@ -134,8 +140,8 @@ static bvx_status label_rows(bvx_context *ctx, const bvxi_spaces *spaces, uint32
     return BVX_OK;
 }
 
-bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint32_t *labels, uint64_t capacity,
-                          uint64_t *count)
+static bvx_status run_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
+                                 uint32_t *labels, uint64_t capacity, uint64_t *count)
 {
     uint64_t voxels = 1;
     bvxi_spaces spaces;
@@ -153,4 +159,10 @@ bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t co
     if (status == BVX_OK && count != NULL) *count = spaces.count;
     bvxi_spaces_free(&spaces);
     return status;
+}
+
+bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint32_t *labels, uint64_t capacity,
+                          uint64_t *count)
+{
+    return BVXI_CALL(context, run_grid_label(context, grid, connectivity, labels, capacity, count));
 }

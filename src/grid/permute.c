@@ -142,7 +142,8 @@ static void lay_permute_steps(permute_job *job)
     }
 }
 
-bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3], const int32_t flips[3], bvx_grid *result)
+static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3],
+                                   const int32_t flips[3], bvx_grid *result)
 {
     static const char *const function = "bvx_grid_permute";
     bvx_lattice lattice;
@@ -171,4 +172,9 @@ bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const in
     job.pieces = bvxi_piece_count(words, PERMUTE_GRAIN);
     if (job.pieces > job.slices) job.pieces = job.slices;
     return bvxi_grid_fill_by(context, "permute", job.pieces, permute_squares, &job, mine, result);
+}
+
+bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3], const int32_t flips[3], bvx_grid *result)
+{
+    return BVXI_CALL(context, run_grid_permute(context, grid, axes, flips, result));
 }

@@ -180,7 +180,8 @@ static bvx_status reduce_grid(bvx_context *ctx, const char *function, reduce_job
     return bvxi_grid_fill_by(ctx, "downsample", job->pieces, reduce_piece, job, mine, result);
 }
 
-bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3], int32_t rule, bvx_grid *result)
+static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
+                                      int32_t rule, bvx_grid *result)
 {
     static const char *const function = "bvx_grid_downsample";
     static const int32_t what[3] = {BVXI_BLOCKS_ANY, BVXI_BLOCKS_NONE, BVXI_BLOCKS_COUNT};
@@ -195,6 +196,11 @@ bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const
     if (status == BVX_OK) status = reduce_grid(context, function, &job, result);
     bvxi_blocks_close(context, &job.blocks);
     return status;
+}
+
+bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3], int32_t rule, bvx_grid *result)
+{
+    return BVXI_CALL(context, run_grid_downsample(context, grid, factor, rule, result));
 }
 
 /* ---- Counts ---- */
@@ -242,8 +248,8 @@ static void coverage_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3], uint32_t *counts, uint64_t capacity,
-                             uint64_t *count)
+static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
+                                    uint32_t *counts, uint64_t capacity, uint64_t *count)
 {
     static const char *const function = "bvx_grid_coverage";
     coverage_job job;
@@ -263,4 +269,10 @@ bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const i
     }
     bvxi_blocks_close(context, &job.blocks);
     return status;
+}
+
+bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3], uint32_t *counts, uint64_t capacity,
+                             uint64_t *count)
+{
+    return BVXI_CALL(context, run_grid_coverage(context, grid, factor, counts, capacity, count));
 }

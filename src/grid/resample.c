@@ -77,8 +77,8 @@ static void resample_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice, const bvx_window *window,
-                             bvx_grid *result)
+static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,
+                                    const bvx_window *window, bvx_grid *result)
 {
     static const char *const function = "bvx_grid_resample";
     resample_job job;
@@ -102,4 +102,10 @@ bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const b
     status = bvxi_grid_fill_by(context, "resample", job.pieces, resample_piece, &job, mine, result);
     bvxi_free(context, job.source[0], job.bytes);
     return status;
+}
+
+bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice, const bvx_window *window,
+                             bvx_grid *result)
+{
+    return BVXI_CALL(context, run_grid_resample(context, grid, lattice, window, result));
 }

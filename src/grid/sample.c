@@ -85,8 +85,8 @@ static bvx_status check_sample_points(bvx_context *ctx, const char *function, co
     return BVX_OK;
 }
 
-bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points, uint64_t count, double *values,
-                           double *gradients)
+static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points,
+                                  uint64_t count, double *values, double *gradients)
 {
     static const char *const function = "bvx_grid_sample";
     sample_work w = {grid, points, values, gradients, count, bvxi_piece_count(count, SAMPLE_GRAIN)};
@@ -98,4 +98,10 @@ bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const dou
         return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u points are beyond this machine's addresses", function, count);
     BVXI_TRY(check_sample_points(context, function, points, count));
     return bvxi_parallel(context, "sample", 0.0, 1.0, w.pieces, sample_points_piece, &w);
+}
+
+bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points, uint64_t count, double *values,
+                           double *gradients)
+{
+    return BVXI_CALL(context, run_grid_sample(context, grid, points, count, values, gradients));
 }

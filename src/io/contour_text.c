@@ -83,8 +83,8 @@ void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t s
     bvxi_give_options(options, size, &d, sizeof d);
 }
 
-bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format, const bvx_read_sections_options *options,
-                             bvx_sections *sections)
+static bvx_status run_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                    const bvx_read_sections_options *options, bvx_sections *sections)
 {
     static const char *const function = "bvx_read_sections";
     bvx_read_sections_options o;
@@ -110,4 +110,10 @@ bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t s
     if (status == BVX_OK) status = bvxi_contour_finish(&f, sections);
     bvx_sections_free(context, &f.sections);
     return status;
+}
+
+bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format, const bvx_read_sections_options *options,
+                             bvx_sections *sections)
+{
+    return BVXI_CALL(context, run_read_sections(context, bytes, size, format, options, sections));
 }

@@ -53,7 +53,7 @@ static void json_put_lattice(const bvx_grid *grid, bvxi_output *out)
     bvxi_output_text(out, ",\n  \"axes\": \"xyz\"\n}\n");
 }
 
-bvx_status bvx_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buffer *file)
+static bvx_status run_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_lattice";
     bvxi_output out = {0};
@@ -69,6 +69,11 @@ bvx_status bvx_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buf
     json_put_lattice(grid, &out);
     *file = made;
     return BVX_OK;
+}
+
+bvx_status bvx_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_lattice(context, grid, file));
 }
 
 /* ---- words of JSON ---- */
@@ -356,7 +361,7 @@ static bvx_status json_check_center(bvx_context *ctx, const json_lattice *l)
     return BVX_OK;
 }
 
-bvx_status bvx_read_lattice(bvx_context *context, const void *bytes, uint64_t size, bvx_grid *grid)
+static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint64_t size, bvx_grid *grid)
 {
     static const char *const function = "bvx_read_lattice";
     static const char axis_name[3][2] = {"x", "y", "z"};
@@ -386,4 +391,9 @@ bvx_status bvx_read_lattice(bvx_context *context, const void *bytes, uint64_t si
     grid->lattice = l.lattice;
     memcpy(grid->low, l.window.low, sizeof grid->low);
     return BVX_OK;
+}
+
+bvx_status bvx_read_lattice(bvx_context *context, const void *bytes, uint64_t size, bvx_grid *grid)
+{
+    return BVXI_CALL(context, run_read_lattice(context, bytes, size, grid));
 }

@@ -113,7 +113,7 @@ static void png_put_pixels(uint8_t *p, const bvx_image *image, uint64_t raw)
     bvxi_store_u32_big(s.p, s.adler.b << 16 | s.adler.a);
 }
 
-bvx_status bvx_write_png(bvx_context *context, const bvx_image *image, bvx_buffer *file)
+static bvx_status run_write_png(bvx_context *context, const bvx_image *image, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_png";
     static const uint8_t signature[PNG_SIGNATURE] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10};
@@ -149,6 +149,11 @@ bvx_status bvx_write_png(bvx_context *context, const bvx_image *image, bvx_buffe
     png_close(&crc, p, 0);
     *file = made;
     return BVX_OK;
+}
+
+bvx_status bvx_write_png(bvx_context *context, const bvx_image *image, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_png(context, image, file));
 }
 
 void bvx_image_free(bvx_context *context, bvx_image *image)

@@ -97,8 +97,8 @@ static bvx_status read_grid_as(const bvxi_grid_source *source, int32_t format, b
     }
 }
 
-bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                         const bvx_window *window, bvx_grid *grid)
+static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                const bvx_window *window, bvx_grid *grid)
 {
     static const char *const function = "bvx_read_grid";
     bvxi_grid_source source;
@@ -124,4 +124,10 @@ bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size,
     }
     *grid = made;
     return BVX_OK;
+}
+
+bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                         const bvx_window *window, bvx_grid *grid)
+{
+    return BVXI_CALL(context, run_read_grid(context, bytes, size, format, window, grid));
 }

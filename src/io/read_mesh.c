@@ -149,7 +149,8 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *me
     }
 }
 
-bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *mesh)
+static bvx_status run_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                bvx_mesh *mesh)
 {
     static const char *const function = "bvx_read_mesh";
     bvxi_source source = {0};
@@ -176,4 +177,9 @@ bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size,
     bvx_mesh_free(context, mesh);
     *mesh = made;
     return BVX_OK;
+}
+
+bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_read_mesh(context, bytes, size, format, mesh));
 }

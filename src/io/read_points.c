@@ -100,7 +100,8 @@ static bvx_status read_points_as(bvxi_source *source, int32_t format, bvx_mesh *
     return format == BVX_FORMAT_XYZ ? read_xyz(source, points) : bvxi_read_ply_points(source, points);
 }
 
-bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *points)
+static bvx_status run_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                  bvx_mesh *points)
 {
     bvxi_source source = {0};
     bvx_mesh made = {0};
@@ -125,4 +126,9 @@ bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t siz
     bvx_mesh_free(context, points);
     *points = made;
     return BVX_OK;
+}
+
+bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *points)
+{
+    return BVXI_CALL(context, run_read_points(context, bytes, size, format, points));
 }

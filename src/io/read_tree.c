@@ -243,7 +243,7 @@ static bvx_status make_read_tree(tree_reading *job)
     return status;
 }
 
-bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree)
+static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree)
 {
     tree_reading job;
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -264,4 +264,9 @@ bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t siz
     bvx_octree_free(context, *tree);
     *tree = job.tree;
     return BVX_OK;
+}
+
+bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree)
+{
+    return BVXI_CALL(context, run_read_octree(context, bytes, size, tree));
 }

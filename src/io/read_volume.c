@@ -251,8 +251,8 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
 
 /* ---- public ---- */
 
-bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                           const bvx_read_volume_options *options, bvx_volume *volume)
+static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                  const bvx_read_volume_options *options, bvx_volume *volume)
 {
     static const char name[] = "bvx_read_volume";
     bvx_read_volume_options o = volume_defaults;
@@ -280,4 +280,10 @@ bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint64_t siz
     if (volume->owned == 1) bvx_volume_free(context, volume);
     *volume = made;
     return BVX_OK;
+}
+
+bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                           const bvx_read_volume_options *options, bvx_volume *volume)
+{
+    return BVXI_CALL(context, run_read_volume(context, bytes, size, format, options, volume));
 }

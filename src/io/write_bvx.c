@@ -180,7 +180,8 @@ bvx_status bvxi_write_bvx(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
 
 /* ---- in parts ---- */
 
-bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window, bvx_buffer *file)
+static bvx_status run_write_head(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
+                                 bvx_buffer *file)
 {
     static const char *const function = "bvx_write_head";
     bvx_buffer made = {0};
@@ -195,13 +196,23 @@ bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, cons
     return BVX_OK;
 }
 
+bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_head(context, lattice, window, file));
+}
+
 /* No part knows the others: that they follow each other in z and that they end where the head says is checked by who reads
  * the file. A part of another lattice, or not of the head's window in x and y, shows there too, by its checksums. */
-bvx_status bvx_write_slices(bvx_context *context, const bvx_grid *part, bvx_buffer *file)
+static bvx_status run_write_slices(bvx_context *context, const bvx_grid *part, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_slices";
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, part));
     return bvx_pack_grid(context, part, 0, file);
+}
+
+bvx_status bvx_write_slices(bvx_context *context, const bvx_grid *part, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_slices(context, part, file));
 }

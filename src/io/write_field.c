@@ -202,7 +202,8 @@ static bvx_status write_field_file(bvx_context *ctx, const bvx_field *field, int
     return status;
 }
 
-bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t vectors, int32_t format, bvx_buffer *file)
+static bvx_status run_write_field(bvx_context *context, const bvx_field *field, int32_t vectors,
+                                  int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_field";
     static const field_file npy = {"the NPY file", field_put_npy, "", 1}, nrrd = {"the NRRD file", field_put_nrrd, "", 0},
@@ -216,4 +217,9 @@ bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t
     if (format == BVX_FORMAT_NPY) return write_field_file(context, field, vectors, &npy, file);
     BVXI_TRY(bvxi_check_written_corner(context, format == BVX_FORMAT_NRRD ? "NRRD" : "VTI", &field->band));
     return write_field_file(context, field, vectors, format == BVX_FORMAT_NRRD ? &nrrd : &vti, file);
+}
+
+bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t vectors, int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_field(context, field, vectors, format, file));
 }

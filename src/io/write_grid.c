@@ -38,7 +38,7 @@ bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const
     return BVX_OK;
 }
 
-bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
+static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_grid";
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -55,4 +55,9 @@ bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t fo
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
                          "%s: format %d holds no grid; take NPY, BINVOX, VOX, NRRD, VTI or BVX", function, (int64_t)format);
     }
+}
+
+bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_grid(context, grid, format, file));
 }

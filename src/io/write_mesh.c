@@ -178,11 +178,16 @@ static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_m
     return BVX_OK;
 }
 
-bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
+static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
 {
     bvx_write_options const defaults = {.struct_size = sizeof defaults};
     if (context == NULL) return BVX_ERR_ARGUMENT;
     return write_mesh(context, "bvx_write_mesh", mesh, &defaults, format, file);
+}
+
+bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_mesh(context, mesh, format, file));
 }
 
 void bvx_write_options_init(bvx_write_options *options, size_t size)
@@ -191,8 +196,8 @@ void bvx_write_options_init(bvx_write_options *options, size_t size)
     bvxi_give_options(options, size, &defaults, sizeof defaults);
 }
 
-bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
-                               int32_t format, bvx_buffer *file)
+static bvx_status run_write_mesh_with(bvx_context *context, const bvx_mesh *mesh,
+                                      const bvx_write_options *options, int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_mesh_with";
     bvx_write_options o = {.struct_size = sizeof o};
@@ -206,6 +211,12 @@ bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.rounding is %d, not BVX_ROUNDING_REFUSE (0) or "
                          "BVX_ROUNDING_ALLOW (1)", function, (int64_t)o.rounding);
     return write_mesh(context, function, mesh, &o, format, file);
+}
+
+bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
+                               int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_mesh_with(context, mesh, options, format, file));
 }
 
 /* ---- what a file holds ---- */
@@ -316,8 +327,8 @@ static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx
     return BVX_OK;
 }
 
-bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
-                             bvx_write_report *reports)
+static bvx_status run_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                                    int32_t format, bvx_write_report *reports)
 {
     static const char *const function = "bvx_check_written";
     char name[BVXI_LEVEL_NAME];
@@ -338,6 +349,12 @@ bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint6
     return BVX_OK;
 }
 
+bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                             bvx_write_report *reports)
+{
+    return BVXI_CALL(context, run_check_written(context, levels, level_count, format, reports));
+}
+
 /* ---- levels of detail ---- */
 
 static bvx_status check_level_rounding(bvx_context *ctx, const char *function, const bvx_mesh *levels,
@@ -352,8 +369,8 @@ static bvx_status check_level_rounding(bvx_context *ctx, const char *function, c
     return BVX_OK;
 }
 
-bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
-                            bvx_buffer *file)
+static bvx_status run_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                                   int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_levels";
     bvx_buffer made = {0};
@@ -371,4 +388,10 @@ bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64
     BVXI_TRY(bvxi_write_glb(context, levels, level_count, &made));
     *file = made;
     return BVX_OK;
+}
+
+bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                            bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_levels(context, levels, level_count, format, file));
 }

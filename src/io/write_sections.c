@@ -229,7 +229,8 @@ static bvx_status check_section_format(bvx_context *ctx, const char *function, c
     return BVX_OK;
 }
 
-bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections, int32_t format, bvx_buffer *file)
+static bvx_status run_write_sections(bvx_context *context, const bvx_sections *sections, int32_t format,
+                                     bvx_buffer *file)
 {
     static const char *const function = "bvx_write_sections";
     double axis[3][3];
@@ -248,4 +249,9 @@ bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections
     put_sections(sections, format, (const double (*)[3])axis, &out);
     *file = made;
     return BVX_OK;
+}
+
+bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections, int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_sections(context, sections, format, file));
 }

@@ -171,7 +171,8 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
     return status;
 }
 
-bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states, int32_t format, bvx_buffer *file)
+static bvx_status run_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
+                                   int32_t format, bvx_buffer *file)
 {
     bvx_buffer made = {0};
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -184,4 +185,9 @@ bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_
     BVXI_TRY(format == BVX_FORMAT_VTU ? write_vtu(context, tree, states, &made) : bvxi_write_tree(context, tree, &made));
     *file = made;
     return BVX_OK;
+}
+
+bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states, int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_octree(context, tree, states, format, file));
 }

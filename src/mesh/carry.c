@@ -186,7 +186,7 @@ static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry
     return status;
 }
 
-bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target)
+static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target)
 {
     static const char *const function = "bvx_mesh_carry", *const of_source = "bvx_mesh_carry, source";
     carry_work w;
@@ -206,4 +206,9 @@ bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh
     status = carry_with_tree(context, of_source, &w, target);
     bvxi_closest_shut(context, &w.closest);
     return status;
+}
+
+bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target)
+{
+    return BVXI_CALL(context, run_mesh_carry(context, source, target));
 }

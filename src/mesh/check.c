@@ -147,7 +147,8 @@ bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvx_m
     return check_within(ctx, &c, 1, low, high, certificate);
 }
 
-bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld, bvx_certificate *certificate)
+static bvx_status run_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
+                                 bvx_certificate *certificate)
 {
     static const char *const function = "bvx_mesh_check";
     double low[3], high[3];
@@ -165,4 +166,9 @@ bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));
     c.vertex_count = mesh->vertex_count;
     return check_within(context, &c, weld, low, high, certificate);
+}
+
+bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld, bvx_certificate *certificate)
+{
+    return BVXI_CALL(context, run_mesh_check(context, mesh, weld, certificate));
 }

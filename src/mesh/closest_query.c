@@ -141,7 +141,7 @@ void bvxi_closest_shut(bvx_context *ctx, bvx_closest *closest)
     bvxi_closest_free(ctx, &closest->tree);
 }
 
-bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view *mesh, bvx_closest **closest)
+static bvx_status run_closest_create(bvx_context *context, const bvx_mesh_view *mesh, bvx_closest **closest)
 {
     static const char *const function = "bvx_closest_create";
     bvx_closest *made = NULL;
@@ -157,6 +157,11 @@ bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view *mesh, b
     }
     *closest = made;
     return BVX_OK;
+}
+
+bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view *mesh, bvx_closest **closest)
+{
+    return BVXI_CALL(context, run_closest_create(context, mesh, closest));
 }
 
 void bvx_closest_free(bvx_context *context, bvx_closest *closest)
@@ -197,8 +202,8 @@ static bvx_status check_query_points(bvx_context *ctx, const char *function, con
     return BVX_OK;
 }
 
-bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points, uint64_t count,
-                            bvx_closest_point *found)
+static bvx_status run_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
+                                   uint64_t count, bvx_closest_point *found)
 {
     static const char *const function = "bvx_closest_find";
     closest_query q = {closest, points, found, count, bvxi_piece_count(count, QUERY_GRAIN)};
@@ -210,4 +215,10 @@ bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, co
         return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u points are beyond this machine's addresses", function, count);
     BVXI_TRY(check_query_points(context, function, points, count));
     return bvxi_parallel(context, "nearest points", 0.0, 1.0, q.pieces, find_closest_piece, &q);
+}
+
+bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points, uint64_t count,
+                            bvx_closest_point *found)
+{
+    return BVXI_CALL(context, run_closest_find(context, closest, points, count, found));
 }

@@ -338,7 +338,8 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx
     return status;
 }
 
-bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count, uint32_t *pairs, uint64_t capacity)
+static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count,
+                                     uint32_t *pairs, uint64_t capacity)
 {
     static const char *const function = "bvx_mesh_crossings";
     double low[3], high[3];
@@ -358,4 +359,9 @@ bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, u
     if (status == BVX_OK) status = bvxi_mesh_crossings(context, function, mesh, low, high, representative, count, pairs, capacity);
     bvxi_free(context, representative, mesh->vertex_count * 4);
     return status;
+}
+
+bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count, uint32_t *pairs, uint64_t capacity)
+{
+    return BVXI_CALL(context, run_mesh_crossings(context, mesh, count, pairs, capacity));
 }

@@ -203,8 +203,8 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_si
     return status;
 }
 
-bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, uint64_t samples,
-                             uint64_t seed, bvx_distance_report *report)
+static bvx_status run_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
+                                    uint64_t samples, uint64_t seed, bvx_distance_report *report)
 {
     static const char *const function_a = "bvx_mesh_distance, mesh a", *const function_b = "bvx_mesh_distance, mesh b";
     distance_side side_a, side_b;
@@ -224,4 +224,10 @@ bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const
     BVXI_TRY(require_area(context, function_a, a, scale));
     BVXI_TRY(require_area(context, function_b, b, scale));
     return measure_distance_both_ways(context, &side_a, &side_b, scale, samples, seed, report);
+}
+
+bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, uint64_t samples,
+                             uint64_t seed, bvx_distance_report *report)
+{
+    return BVXI_CALL(context, run_mesh_distance(context, a, b, samples, seed, report));
 }

@@ -91,16 +91,17 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const bvx_
 bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice_options *options,
                                 bvx_lattice *lattice)
 {
-    return fit_lattice(context, "bvx_lattice_fit_with", mesh, 0, options, lattice);
+    return BVXI_CALL(context, fit_lattice(context, "bvx_lattice_fit_with", mesh, 0, options, lattice));
 }
 
 bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice_options *options,
                                   bvx_lattice *lattice)
 {
-    return fit_lattice(context, "bvx_lattice_fit_points", points, 1, options, lattice);
+    return BVXI_CALL(context, fit_lattice(context, "bvx_lattice_fit_points", points, 1, options, lattice));
 }
 
-bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution, bvx_lattice *lattice)
+static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
+                                  bvx_lattice *lattice)
 {
     bvx_lattice_options o = lattice_defaults;
     o.struct_size = sizeof o;
@@ -109,4 +110,9 @@ bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int3
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,
                          (int64_t)BVXI_MAX_SIDE);
     return fit_lattice(context, "bvx_lattice_fit", mesh, 0, &o, lattice);
+}
+
+bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution, bvx_lattice *lattice)
+{
+    return BVXI_CALL(context, run_lattice_fit(context, mesh, resolution, lattice));
 }

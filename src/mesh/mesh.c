@@ -126,7 +126,7 @@ static bvx_status check_mesh_struct(bvx_context *ctx, const char *function, cons
     return BVX_OK;
 }
 
-bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash)
+static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash)
 {
     static const char *const function = "bvx_mesh_hash";
     bvxi_hash h;
@@ -149,4 +149,9 @@ bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *h
     bvxi_hash_u32(&h, mesh->triangles, (size_t)mesh->triangle_count * 3);
     *hash = bvxi_hash_end(&h);
     return BVX_OK;
+}
+
+bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash)
+{
+    return BVXI_CALL(context, run_mesh_hash(context, mesh, hash));
 }

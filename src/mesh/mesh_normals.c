@@ -23,7 +23,8 @@ static void give_facet(const bvx_mesh_view *view, double scale, const double *su
     bvxi_unit_normal(mean[0] != 0.0 || mean[1] != 0.0 || mean[2] != 0.0 ? mean : own, facet);
 }
 
-bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged, float *vertex_normals, float *facet_normals)
+static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged,
+                                   float *vertex_normals, float *facet_normals)
 {
     double low[3], high[3], scale, *sum = NULL;
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -42,4 +43,9 @@ bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int
         give_facet(mesh, scale, sum, t, averaged, facet_normals + 3 * t);
     bvxi_free(context, sum, sum == NULL ? 0 : mesh->vertex_count * 24);
     return BVX_OK;
+}
+
+bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged, float *vertex_normals, float *facet_normals)
+{
+    return BVXI_CALL(context, run_mesh_normals(context, mesh, averaged, vertex_normals, facet_normals));
 }

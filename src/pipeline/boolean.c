@@ -328,8 +328,8 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     return extract_boolean(job, result);
 }
 
-bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,
-                       const bvx_boolean_options *options, bvx_mesh *result)
+static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
+                              int32_t operation, const bvx_boolean_options *options, bvx_mesh *result)
 {
     bvx_boolean_options o = boolean_defaults;
     boolean_job job;
@@ -349,4 +349,10 @@ bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_m
     for (int32_t i = 2; i-- > 0;) close_body(&job, &job.body[i]);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;
     return status;
+}
+
+bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,
+                       const bvx_boolean_options *options, bvx_mesh *result)
+{
+    return BVXI_CALL(context, run_boolean(context, a, b, operation, options, result));
 }

@@ -120,8 +120,9 @@ static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uin
     return finest;
 }
 
-bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
-                           uint64_t level_count, int32_t *resolution)
+static bvx_status run_plan_levels(bvx_context *context, const bvx_mesh_view *mesh,
+                                  const bvx_levels_options *options, uint64_t level_count,
+                                  int32_t *resolution)
 {
     static const char plan_name[] = "bvx_plan_levels";
     bvx_levels_options o = levels_defaults;
@@ -147,6 +148,12 @@ bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, cons
                       area * longest);
     *resolution = !(wanted > PLAN_LEAST) ? PLAN_LEAST : wanted < PLAN_MOST ? (int32_t)wanted : PLAN_MOST;
     return BVX_OK;
+}
+
+bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
+                           uint64_t level_count, int32_t *resolution)
+{
+    return BVXI_CALL(context, run_plan_levels(context, mesh, options, level_count, resolution));
 }
 
 /* ---- Crumbs ---- */
@@ -429,8 +436,8 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->reports = o->reports;
 }
 
-bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
-                            const bvx_levels_options *options, uint64_t level_count, bvx_mesh *levels)
+static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
+                                   const bvx_levels_options *options, uint64_t level_count, bvx_mesh *levels)
 {
     bvx_levels_options o = levels_defaults;
     levels_job job = {.ctx = context, .mesh = mesh, .options = &o};
@@ -469,4 +476,10 @@ bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
     bvxi_free(context, corner, mesh->triangle_count * 12);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;
     return status;
+}
+
+bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
+                            const bvx_levels_options *options, uint64_t level_count, bvx_mesh *levels)
+{
+    return BVXI_CALL(context, run_build_levels(context, mesh, options, level_count, levels));
 }

@@ -271,8 +271,8 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
     return BVX_OK;
 }
 
-bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
-                          uint64_t level_count, bvx_mesh *levels)
+static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
+                                 uint64_t level_count, bvx_mesh *levels)
 {
     bvx_lod_options o = lod_defaults;
     lod_job job = {0};
@@ -295,4 +295,10 @@ bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx
         else levels[l].vertex_count = levels[l].triangle_count = 0;
     }
     return status;
+}
+
+bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
+                          uint64_t level_count, bvx_mesh *levels)
+{
+    return BVXI_CALL(context, run_build_lods(context, solid, options, level_count, levels));
 }

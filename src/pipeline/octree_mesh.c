@@ -128,8 +128,8 @@ static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
     return status;
 }
 
-bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states, const bvx_extract_options *options,
-                              bvx_mesh *mesh)
+static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
+                                     const bvx_extract_options *options, bvx_mesh *mesh)
 {
     octree_mesh_job job = {0};
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -154,4 +154,10 @@ bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int3
         if (job.blocks[a] < 1) job.blocks[a] = 1;
     }
     return run_blocks(&job, mesh);
+}
+
+bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states, const bvx_extract_options *options,
+                              bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_extract_octree(context, tree, states, options, mesh));
 }

@@ -136,7 +136,7 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
 
 bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired)
 {
-    return bvxi_repair_known(context, mesh, NULL, options, repaired);
+    return BVXI_CALL(context, bvxi_repair_known(context, mesh, NULL, options, repaired));
 }
 
 bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, const bvx_certificate *known,

@@ -184,8 +184,8 @@ static bvx_status measure_choice(bvx_context *ctx, const bvx_mesh_view *mesh, in
     return project_triangles(ctx, job);
 }
 
-bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution, bvx_refine_options *options,
-                             bvx_lattice *base)
+static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
+                                    bvx_refine_options *options, bvx_lattice *base)
 {
     bvx_refine_options o;
     choose_job job = {0};
@@ -200,6 +200,12 @@ bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, in
     *base = made;
     options->levels = levels;
     return BVX_OK;
+}
+
+bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution, bvx_refine_options *options,
+                             bvx_lattice *base)
+{
+    return BVXI_CALL(context, run_refine_choose(context, mesh, resolution, options, base));
 }
 
 bvx_status bvxi_refine_estimate(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t resolution, double *touched)

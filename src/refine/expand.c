@@ -145,8 +145,8 @@ static bvx_status check_expand_arguments(bvx_context *ctx, const bvx_octree *tre
     return bvxi_window_take(ctx, function, lattice, given, window);
 }
 
-bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states, const bvx_window *window,
-                             bvx_grid *grid)
+static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level,
+                                    int32_t states, const bvx_window *window, bvx_grid *grid)
 {
     expand_job job = {0};
     bvx_lattice lattice;
@@ -175,4 +175,10 @@ bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32
     if (status == BVX_OK) *grid = made;
     else if (grid->words == NULL) bvx_grid_free(context, &made);
     return status;
+}
+
+bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states, const bvx_window *window,
+                             bvx_grid *grid)
+{
+    return BVXI_CALL(context, run_octree_expand(context, tree, level, states, window, grid));
 }

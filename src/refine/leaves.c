@@ -116,10 +116,16 @@ bvx_status bvxi_octree_leaves(bvx_context *ctx, const char *function, double fro
     return BVX_OK;
 }
 
-bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves, uint64_t capacity,
-                             uint64_t *count)
+static bvx_status run_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
+                                    bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count)
 {
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, "bvx_octree_leaves", "count");
     return bvxi_octree_leaves(context, "bvx_octree_leaves", 0.0, 1.0, tree, states, leaves, capacity, count);
+}
+
+bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves, uint64_t capacity,
+                             uint64_t *count)
+{
+    return BVXI_CALL(context, run_octree_leaves(context, tree, states, leaves, capacity, count));
 }

@@ -120,7 +120,8 @@ static void count_octree_level(const bvx_octree *tree, int32_t level, bvx_octree
     c->bytes = o->words * (16u + (o->before != NULL ? 4u : 0u) + (o->split != NULL && o->split != o->touched ? 8u : 0u));
 }
 
-bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts, int32_t capacity)
+static bvx_status run_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts,
+                                   int32_t capacity)
 {
     static const char *const function = "bvx_octree_count";
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -131,6 +132,11 @@ bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_oc
                          (int64_t)tree->levels + 1);
     for (int32_t l = 0; l <= tree->levels; l++) count_octree_level(tree, l, &counts[l]);
     return BVX_OK;
+}
+
+bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts, int32_t capacity)
+{
+    return BVXI_CALL(context, run_octree_count(context, tree, counts, capacity));
 }
 
 /* ---- the leaf at a place ---- */
@@ -235,8 +241,8 @@ static bvx_status find_octree_places(bvx_context *ctx, octree_places *job, bvx_t
     return BVX_OK;
 }
 
-bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,
-                         bvx_octree_leaf *leaves)
+static bvx_status run_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels,
+                                uint64_t count, bvx_octree_leaf *leaves)
 {
     static const char *const function = "bvx_octree_at";
     octree_places job = {0};
@@ -257,8 +263,14 @@ bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int
                      (int64_t)tree->lattice.dims[0], (int64_t)tree->lattice.dims[1], (int64_t)tree->lattice.dims[2]);
 }
 
-bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points, uint64_t count,
-                           bvx_octree_leaf *leaves)
+bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,
+                         bvx_octree_leaf *leaves)
+{
+    return BVXI_CALL(context, run_octree_at(context, tree, voxels, count, leaves));
+}
+
+static bvx_status run_octree_find(bvx_context *context, const bvx_octree *tree, const double *points,
+                                  uint64_t count, bvx_octree_leaf *leaves)
 {
     static const char *const function = "bvx_octree_find";
     octree_places job = {0};
@@ -275,4 +287,10 @@ bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const d
     BVXI_TRY(find_octree_places(context, &job, find_octree_points, &bad));
     if (bad == count) return BVX_OK;
     return bvxi_fail(context, BVX_ERR_RANGE, "%s: point %u is not finite", function, bad);
+}
+
+bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points, uint64_t count,
+                           bvx_octree_leaf *leaves)
+{
+    return BVXI_CALL(context, run_octree_find(context, tree, points, count, leaves));
 }

@@ -194,8 +194,8 @@ static bvx_status check_octree_rays(bvx_context *ctx, const double *rays, uint64
     return BVX_OK;
 }
 
-bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays, uint64_t count, double t_max,
-                           bvx_octree_hit *hits)
+static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states,
+                                  const double *rays, uint64_t count, double t_max, bvx_octree_hit *hits)
 {
     static const char *const function = "bvx_octree_cast";
     octree_cast job = {0};
@@ -215,4 +215,10 @@ bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
     job.pieces = bvxi_piece_count(count, 64);
     return bvxi_parallel(context, "octree", 0.0, 1.0, job.pieces, cast_octree_piece, &job);
+}
+
+bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays, uint64_t count, double t_max,
+                           bvx_octree_hit *hits)
+{
+    return BVXI_CALL(context, run_octree_cast(context, tree, states, rays, count, t_max, hits));
 }

@@ -185,8 +185,8 @@ static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
     return status;
 }
 
-bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base, const bvx_refine_options *options,
-                      bvx_octree **tree)
+static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
+                             const bvx_refine_options *options, bvx_octree **tree)
 {
     bvx_refine_options o = refine_defaults;
     bvxi_refine_job job;
@@ -213,4 +213,10 @@ bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx
     bvx_octree_free(context, *tree);
     *tree = job.tree;
     return BVX_OK;
+}
+
+bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base, const bvx_refine_options *options,
+                      bvx_octree **tree)
+{
+    return BVXI_CALL(context, run_refine(context, mesh, base, options, tree));
 }

@@ -111,7 +111,8 @@ static bvx_status render_grid_scene(bvx_context *ctx, bvxi_grid_scene *s, bvx_im
     return BVX_OK;
 }
 
-bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx_render_options *options, bvx_image *image)
+static bvx_status run_render_grid(bvx_context *context, const bvx_grid *grid,
+                                  const bvx_render_options *options, bvx_image *image)
 {
     static const char *const function = "bvx_render_grid";
     bvxi_grid_scene s;
@@ -124,6 +125,11 @@ bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx
     return render_grid_scene(context, &s, image);
 }
 
+bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx_render_options *options, bvx_image *image)
+{
+    return BVXI_CALL(context, run_render_grid(context, grid, options, image));
+}
+
 static bvx_status check_same_place(bvx_context *ctx, const char *function, const bvx_grid *before, const bvx_grid *after)
 {
     if (!bvxi_lattice_equal(&before->lattice, &after->lattice))
@@ -133,8 +139,8 @@ static bvx_status check_same_place(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
-bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *before, const bvx_grid *after,
-                                 const bvx_render_options *options, bvx_image *image)
+static bvx_status run_render_difference(bvx_context *context, const bvx_grid *before, const bvx_grid *after,
+                                        const bvx_render_options *options, bvx_image *image)
 {
     static const char *const function = "bvx_render_difference";
     bvxi_grid_scene s;
@@ -149,4 +155,10 @@ bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *before, c
     s.grid = before;
     s.also = after->words;
     return render_grid_scene(context, &s, image);
+}
+
+bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *before, const bvx_grid *after,
+                                 const bvx_render_options *options, bvx_image *image)
+{
+    return BVXI_CALL(context, run_render_difference(context, before, after, options, image));
 }

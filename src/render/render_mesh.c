@@ -262,8 +262,8 @@ static bvx_status make_scene(bvx_context *ctx, bvxi_mesh_scene *s)
     return bvxi_picture_make(ctx, &s->picture);
 }
 
-bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_render_options *options,
-                           bvx_image *image)
+static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mesh,
+                                  const bvx_render_options *options, bvx_image *image)
 {
     static const char *const function = "bvx_render_mesh";
     bvxi_mesh_scene s;
@@ -288,4 +288,10 @@ bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh, cons
     bvx_image_free(context, image);
     *image = s.picture.image;
     return BVX_OK;
+}
+
+bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_render_options *options,
+                           bvx_image *image)
+{
+    return BVXI_CALL(context, run_render_mesh(context, mesh, options, image));
 }

@@ -278,8 +278,8 @@ static bvx_status make_sheet(bvx_context *ctx, slice_sheet *s)
     return status;
 }
 
-bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,
-                             const bvx_render_options *options, bvx_image *image)
+static bvx_status run_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,
+                                    const bvx_render_options *options, bvx_image *image)
 {
     static const char *const function = "bvx_render_slices";
     slice_sheet s;
@@ -302,4 +302,10 @@ bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t
     bvx_image_free(context, image);
     *image = s.image;
     return BVX_OK;
+}
+
+bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,
+                             const bvx_render_options *options, bvx_image *image)
+{
+    return BVXI_CALL(context, run_render_slices(context, grid, axis, count, options, image));
 }

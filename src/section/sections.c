@@ -106,7 +106,8 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     return status;
 }
 
-bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *options, bvx_mesh *mesh)
+static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
+                                     const bvx_sections_options *options, bvx_mesh *mesh)
 {
     bvx_sections_options o;
     bvxi_stack stack;
@@ -129,4 +130,9 @@ bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections
     }
     bvxi_stack_close(&stack);
     return status;
+}
+
+bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *options, bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_build_sections(context, sections, options, mesh));
 }

@@ -363,7 +363,8 @@ static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_secti
     return close_result(w, sections);
 }
 
-bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_slice_options *options, bvx_sections *sections)
+static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh,
+                                 const bvx_slice_options *options, bvx_sections *sections)
 {
     bvx_slice_options o;
     slice_work w;
@@ -392,4 +393,9 @@ bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const
     bvxi_free(context, w.height, mesh->vertex_count * 8);
     bvxi_free(context, w.weld, mesh->vertex_count * 4);
     return status;
+}
+
+bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_slice_options *options, bvx_sections *sections)
+{
+    return BVXI_CALL(context, run_slice_mesh(context, mesh, options, sections));
 }

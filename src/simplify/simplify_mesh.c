@@ -73,8 +73,9 @@ static bvx_status simplify_welded(bvx_context *ctx, bvxi_level_chain *chain, bvx
     return bvxi_levels_make(ctx, chain, welded, 0.0, 1.0);
 }
 
-bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
-                             const bvx_simplify_options *options, uint64_t level_count, bvx_mesh *levels)
+static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
+                                    const bvx_simplify_options *options, uint64_t level_count,
+                                    bvx_mesh *levels)
 {
     bvx_simplify_options o = simplify_defaults;
     bvxi_level_chain chain = {.function = simplify_name};
@@ -111,4 +112,10 @@ bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
     if (status == BVX_OK) status = simplify_welded(context, &chain, &welded, corner, o.open);
     bvxi_free(context, corner, mesh->triangle_count * 12);
     return status;
+}
+
+bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
+                             const bvx_simplify_options *options, uint64_t level_count, bvx_mesh *levels)
+{
+    return BVXI_CALL(context, run_mesh_simplify(context, mesh, options, level_count, levels));
 }

@@ -263,8 +263,9 @@ static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *gri
     return status;
 }
 
-bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options, uint64_t *vertex_count,
-                           uint64_t *triangle_count)
+static bvx_status run_faces_count(bvx_context *context, const bvx_grid *grid,
+                                  const bvx_faces_options *options, uint64_t *vertex_count,
+                                  uint64_t *triangle_count)
 {
     bvxi_faces f;
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -277,7 +278,14 @@ bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid, const bvx
     return BVX_OK;
 }
 
-bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options, bvx_mesh *mesh)
+bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options, uint64_t *vertex_count,
+                           uint64_t *triangle_count)
+{
+    return BVXI_CALL(context, run_faces_count(context, grid, options, vertex_count, triangle_count));
+}
+
+static bvx_status run_extract_faces(bvx_context *context, const bvx_grid *grid,
+                                    const bvx_faces_options *options, bvx_mesh *mesh)
 {
     bvxi_faces f;
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -285,4 +293,9 @@ bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const b
     f.function = "bvx_extract_faces";
     if (mesh == NULL) return bvxi_fail_null(context, f.function, "mesh");
     return run_faces(context, &f, grid, options, mesh);
+}
+
+bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options, bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_extract_faces(context, grid, options, mesh));
 }

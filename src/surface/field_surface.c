@@ -180,8 +180,9 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
 
 /* ---- public ---- */
 
-bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
-                                     const bvx_field_surface_options *options, bvx_mesh *surface)
+static bvx_status run_extract_field_surface(bvx_context *context, const bvx_field *field,
+                                            const bvx_mesh_view *mesh,
+                                            const bvx_field_surface_options *options, bvx_mesh *surface)
 {
     static const char name[] = "bvx_extract_field_surface";
     bvx_field_surface_options o = field_surface_defaults;
@@ -203,4 +204,10 @@ bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *fiel
     v.vectors = field->vectors;
     v.distances = field->distances;
     return bvxi_field_surface(context, name, &field->inside, &v, &o, surface);
+}
+
+bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
+                                     const bvx_field_surface_options *options, bvx_mesh *surface)
+{
+    return BVXI_CALL(context, run_extract_field_surface(context, field, mesh, options, surface));
 }

@@ -185,8 +185,9 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
 
 /* ---- public ---- */
 
-bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
-                             uint64_t *vertex_count, uint64_t *triangle_count)
+static bvx_status run_extract_count(bvx_context *context, const bvx_grid *grid,
+                                    const bvx_extract_options *options, uint64_t *vertex_count,
+                                    uint64_t *triangle_count)
 {
     static const char name[] = "bvx_extract_count";
     bvx_extract_options o = extract_defaults;
@@ -204,7 +205,14 @@ bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid, const b
     return BVX_OK;
 }
 
-bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options, bvx_mesh *mesh)
+bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
+                             uint64_t *vertex_count, uint64_t *triangle_count)
+{
+    return BVXI_CALL(context, run_extract_count(context, grid, options, vertex_count, triangle_count));
+}
+
+static bvx_status run_extract_surface(bvx_context *context, const bvx_grid *grid,
+                                      const bvx_extract_options *options, bvx_mesh *mesh)
 {
     static const char name[] = "bvx_extract_surface";
     bvx_extract_options o = extract_defaults;
@@ -218,4 +226,9 @@ bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const
     if (status == BVX_OK) status = bvxi_march_fill(context, &m, mesh);
     bvxi_march_close(context, &m);
     return status;
+}
+
+bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options, bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_extract_surface(context, grid, options, mesh));
 }

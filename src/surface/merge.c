@@ -139,7 +139,8 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
     return BVX_OK;
 }
 
-bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole)
+static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count,
+                                 bvx_mesh *whole)
 {
     merge_work w = {0};
     uint64_t *start = NULL;
@@ -167,4 +168,9 @@ bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t 
     bvx_mesh_free(context, whole);
     *whole = made;
     return BVX_OK;
+}
+
+bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole)
+{
+    return BVXI_CALL(context, run_mesh_merge(context, parts, part_count, whole));
 }

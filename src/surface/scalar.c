@@ -70,7 +70,8 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     return status;
 }
 
-bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume, const bvx_scalar_options *options, bvx_mesh *mesh)
+static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view *volume,
+                                     const bvx_scalar_options *options, bvx_mesh *mesh)
 {
     static const char name[] = "bvx_extract_scalar";
     bvx_scalar_options o = scalar_defaults;
@@ -89,4 +90,9 @@ bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volum
     bvxi_free(context, inside.words, inside.word_capacity * 8);
     if (status == BVX_OK && o.report != NULL) *o.report = report;
     return status;
+}
+
+bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume, const bvx_scalar_options *options, bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_extract_scalar(context, volume, options, mesh));
 }

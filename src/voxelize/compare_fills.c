@@ -186,8 +186,9 @@ static bvx_status check_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const
     return bvxi_lattice_check(ctx, fills_name, lattice);
 }
 
-bvx_status bvx_compare_fills(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                             const bvx_compare_fills_options *options, bvx_fill_comparison *comparison)
+static bvx_status run_compare_fills(bvx_context *context, const bvx_mesh_view *mesh,
+                                    const bvx_lattice *lattice, const bvx_compare_fills_options *options,
+                                    bvx_fill_comparison *comparison)
 {
     bvx_compare_fills_options o = fills_defaults;
     fills_work work;
@@ -203,4 +204,10 @@ bvx_status bvx_compare_fills(bvx_context *context, const bvx_mesh_view *mesh, co
     close_fills(context, &work);
     if (status == BVX_OK) *comparison = work.result;
     return status;
+}
+
+bvx_status bvx_compare_fills(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                             const bvx_compare_fills_options *options, bvx_fill_comparison *comparison)
+{
+    return BVXI_CALL(context, run_compare_fills(context, mesh, lattice, options, comparison));
 }

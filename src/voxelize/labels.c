@@ -185,8 +185,8 @@ static bvx_status give_labels(label_table *t, int is_signed, bvx_label *labels)
     return status;
 }
 
-bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels, uint64_t capacity,
-                           uint64_t *count)
+static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
+                                  uint64_t capacity, uint64_t *count)
 {
     label_table t = {0};
     int64_t stride[3];
@@ -209,4 +209,10 @@ bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, 
     bvxi_key_tree_close(context, &t.tree);
     bvxi_free(context, t.entries, t.room * sizeof *t.entries);
     return status;
+}
+
+bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels, uint64_t capacity,
+                           uint64_t *count)
+{
+    return BVXI_CALL(context, run_list_labels(context, volume, labels, capacity, count));
 }

@@ -138,8 +138,9 @@ static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, 
     return status;
 }
 
-bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice *lattice,
-                               const bvx_points_options *options, bvx_grid *grid)
+static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view *points,
+                                      const bvx_lattice *lattice, const bvx_points_options *options,
+                                      bvx_grid *grid)
 {
     bvx_points_options o = points_defaults;
     points_work work;
@@ -166,4 +167,10 @@ bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points
     *grid = made;
     if (o.report != NULL) *o.report = work.report;
     return BVX_OK;
+}
+
+bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice *lattice,
+                               const bvx_points_options *options, bvx_grid *grid)
+{
+    return BVXI_CALL(context, run_voxelize_points(context, points, lattice, options, grid));
 }

@@ -218,7 +218,8 @@ static int find_seed_box(seed_search *s)
     return high[2] >= 0;
 }
 
-bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh, uint64_t limit, bvx_seed *seed)
+static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
+                                uint64_t limit, bvx_seed *seed)
 {
     seed_search s;
     bvx_status status = BVX_OK;
@@ -239,6 +240,11 @@ bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bv
     close_seed_judge(&s.judge);
     if (status == BVX_OK) *seed = s.seed;
     return status;
+}
+
+bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh, uint64_t limit, bvx_seed *seed)
+{
+    return BVXI_CALL(context, run_find_seed(context, surface, mesh, limit, seed));
 }
 
 /* ---- Pockets ---- */
@@ -296,8 +302,8 @@ static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_
     return status;
 }
 
-bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh, int32_t *seeds, uint64_t capacity,
-                            uint64_t *count)
+static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
+                                   int32_t *seeds, uint64_t capacity, uint64_t *count)
 {
     seed_judge judge = {0};
     bvx_status status = BVX_OK;
@@ -313,4 +319,10 @@ bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const
     if (status == BVX_OK) status = list_pockets(context, &judge, seeds, capacity, count);
     close_seed_judge(&judge);
     return status;
+}
+
+bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh, int32_t *seeds, uint64_t capacity,
+                            uint64_t *count)
+{
+    return BVXI_CALL(context, run_find_pockets(context, surface, mesh, seeds, capacity, count));
 }

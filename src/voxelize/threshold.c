@@ -128,8 +128,8 @@ bvx_status bvxi_threshold(bvx_context *ctx, const char *stage, double from, doub
 
 /* ---- public ---- */
 
-bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high, bvx_volume_report *report,
-                         bvx_grid *grid)
+static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
+                                bvx_volume_report *report, bvx_grid *grid)
 {
     static const char name[] = "bvx_threshold";
     bvxi_range range;
@@ -156,4 +156,10 @@ bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, do
     if (report != NULL) *report = counts;
     *grid = made;
     return BVX_OK;
+}
+
+bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high, bvx_volume_report *report,
+                         bvx_grid *grid)
+{
+    return BVXI_CALL(context, run_threshold(context, volume, low, high, report, grid));
 }

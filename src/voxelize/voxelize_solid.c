@@ -170,8 +170,9 @@ static bvx_status count_edges(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_s
     return BVX_OK;
 }
 
-bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                              const bvx_voxelize_options *options, bvx_grid *solid)
+static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh,
+                                     const bvx_lattice *lattice, const bvx_voxelize_options *options,
+                                     bvx_grid *solid)
 {
     bvx_voxelize_options o = voxelize_defaults;
     bvx_solid_report report = {0};
@@ -196,4 +197,10 @@ bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, c
     *solid = made;
     if (o.report != NULL) *o.report = report;
     return BVX_OK;
+}
+
+bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                              const bvx_voxelize_options *options, bvx_grid *solid)
+{
+    return BVXI_CALL(context, run_voxelize_solid(context, mesh, lattice, options, solid));
 }

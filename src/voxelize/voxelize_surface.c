@@ -211,8 +211,9 @@ static void report_surface(const bvxi_surface_job *job, bvx_surface_report *repo
     }
 }
 
-bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                                const bvx_surface_options *options, bvx_grid *surface)
+static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
+                                       const bvx_lattice *lattice, const bvx_surface_options *options,
+                                       bvx_grid *surface)
 {
     bvx_surface_options o = surface_defaults;
     bvx_window window;
@@ -234,4 +235,10 @@ bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
     *surface = made;
     if (o.report != NULL) report_surface(&job, o.report);
     return BVX_OK;
+}
+
+bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                const bvx_surface_options *options, bvx_grid *surface)
+{
+    return BVXI_CALL(context, run_voxelize_surface(context, mesh, lattice, options, surface));
 }
