@@ -626,7 +626,6 @@ void cli_clear_bar(cli_run *run);
 
 typedef struct cli_progress_state {
     char stage[32];   /* "" before the first */
-    char part[32];    /* what the library calls its work in it */
     int named;        /* the command has begun it and not ended it */
     int parts;        /* different works in it so far */
     double start, ended; /* ended 0: it still runs */

@@ -137,7 +137,6 @@ static void open_stage(cli_run *run, const char *name)
     cli_progress_state *const p = &run->progress;
     close_stage(run, 1);
     snprintf(p->stage, sizeof p->stage, "%s", name);
-    p->part[0] = 0;
     p->parts = 0;
     p->start = cli_seconds();
     p->ended = p->base = p->reached = 0.0;
@@ -178,8 +177,7 @@ int32_t cli_progress(void *user, const char *work, double fraction)
     if (cli_interrupted()) return 1;
     if (!p->named && (p->stage[0] == 0 || p->ended != 0.0 || !is_named(p->stage, sizeof p->stage, work))) open_stage(run, work);
     fraction = fraction >= 0.0 ? fraction < 1.0 ? fraction : 1.0 : 0.0; /* also when it is no number */
-    if (!is_named(p->part, sizeof p->part, work) || p->base + (1.0 - p->base) * fraction < p->reached) {
-        snprintf(p->part, sizeof p->part, "%s", work);
+    if (p->parts == 0 || p->base + (1.0 - p->base) * fraction < p->reached) {
         p->parts++;
         p->base = p->reached;
     }
