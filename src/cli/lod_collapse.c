@@ -112,7 +112,8 @@ static int build_levels(cli_run *run, lod_collapse *l)
     c->before = l->report.before;
     c->surface = is_measured(l) ? l->report.repair.after : l->report.before;
     c->surface.triangles = l->report.triangles;
-    c->surface.components -= c->crumbs = l->report.crumbs;
+    c->surface.components -= l->report.crumbs - l->report.repair.crumbs; /* the solid's are not in its surface */
+    c->crumbs = l->report.crumbs;
     c->source = is_measured(l) ? "measured" : "mesh";
     if (is_measured(l)) {
         run->report.lattice = l->report.repair.lattice;

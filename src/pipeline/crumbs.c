@@ -146,7 +146,25 @@ static int crumb_beside(const crumb_job *job, const double p[3][3])
     return 0;
 }
 
-static void count_beside(crumb_job *job, int32_t s)
+/* 1 when one mesh of one piece is all there is: then no part needs to look for the nearest one. */
+static int find_only_piece(const crumb_job *job, uint32_t *only)
+{
+    const bvx_mesh_view *const mesh = job->source[0].mesh;
+    const uint32_t *const piece = job->source[0].piece;
+    uint32_t v[3];
+
+    if (job->sources != 1) return 0;
+    bvxi_view_triangle(mesh, 0, v);
+    *only = piece[v[0]];
+    for (uint64_t t = 1; t < mesh->triangle_count; t++) {
+        bvxi_view_triangle(mesh, t, v);
+        if (piece[v[0]] != *only) return 0;
+    }
+    return 1;
+}
+
+/* Count until a piece has `enough` triangles before voxels of large parts. */
+static void count_beside(crumb_job *job, int32_t s, uint64_t enough)
 {
     const bvx_mesh_view *const mesh = job->source[s].mesh;
 
@@ -162,6 +180,7 @@ static void count_beside(crumb_job *job, int32_t s)
         found = crumb_beside(job, (const double(*)[3])p);
         piece->large += found == 1;
         piece->small += found == 2;
+        if (piece->large == enough) return;
     }
 }
 
@@ -240,6 +259,19 @@ static void flip_crumb_run(void *user, uint32_t space, int32_t begin, int32_t en
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
 }
 
+static bvx_status find_pieces(crumb_job *job)
+{
+    uint32_t only;
+
+    if (find_only_piece(job, &only)) {
+        for (uint64_t n = 0; n < job->spaces.count; n++) job->part[n].piece = only;
+        count_beside(job, 0, job->source[0].mesh->triangle_count / 2 + 1); /* more than the small ones can have */
+        return BVX_OK;
+    }
+    for (int32_t s = 0; s < job->sources; s++) count_beside(job, s, UINT64_MAX);
+    return ask_meshes(job);
+}
+
 static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
 {
     bvx_status status;
@@ -253,8 +285,7 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
                                  &job->piece[s]);
     if (status == BVX_OK) {
         bvxi_spaces_each(&job->spaces, mark_small_run, job);
-        for (int32_t s = 0; s < job->sources; s++) count_beside(job, s);
-        status = ask_meshes(job);
+        status = find_pieces(job);
     }
     if (status == BVX_OK) *dropped = judge_crumbs(job);
     if (status == BVX_OK && *dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);

@@ -31,6 +31,19 @@ typedef struct piece_sums {
     int32_t rod;  /* 1: is thinner than a bar of one voxel, or encloses next to nothing; by BVX_THIN_SHELL any piece may be a sheet */
 } piece_sums;
 
+/* The pieces in the order of their least vertices. */
+typedef struct all_sums {
+    piece_sums *piece;
+    uint32_t *number; /* of each piece, at its least vertex */
+    uint64_t count;
+} all_sums;
+
+/* What is summed of the piece that a vertex is in. */
+static piece_sums *sums_of(const bvxi_repair_job *job, const all_sums *sums, uint32_t vertex)
+{
+    return &sums->piece[sums->number[job->piece[vertex]]];
+}
+
 static double vector_length(const double v[3])
 {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -102,13 +115,13 @@ static void take_into_piece(piece_sums *piece, const double p[3][3])
 
 /* Pieces of less area than a bar one voxel square of their diagonal's length: they may pass between all lines of centres. And pieces
  * whose triangles look to either side at random, so that their volume is next to none. */
-static void find_rods(const bvxi_repair_job *job, piece_sums *sums)
+static void find_rods(const bvxi_repair_job *job, all_sums *sums)
 {
     double const side = bvxi_largest_spacing(&job->lattice);
 
     if (job->options->thin == BVX_THIN_DROP) return;
-    for (uint64_t v = 0; v < job->given->vertex_count; v++) {
-        piece_sums *const s = &sums[v];
+    for (uint64_t i = 0; i < sums->count; i++) {
+        piece_sums *const s = &sums->piece[i];
         double length = 0;
 
         if (job->options->thin == BVX_THIN_SHELL) {
@@ -121,7 +134,7 @@ static void find_rods(const bvxi_repair_job *job, piece_sums *sums)
     }
 }
 
-static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
+static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
 {
     double step[3];
     for (int a = 0; a < 3; a++) step[a] = bvxi_largest_spacing(&job->lattice) / job->lattice.spacing[a];
@@ -130,7 +143,7 @@ static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
         piece_sums *piece;
         uint32_t c[3];
         corners_of_triangle(&job->mesh, t, c, p);
-        piece = &sums[job->piece[c[0]]];
+        piece = sums_of(job, sums, c[0]);
         take_into_piece(piece, (const double(*)[3])p);
         cross_of_triangle((const double(*)[3])p, n);
         length = vector_length(n);
@@ -141,7 +154,7 @@ static void sum_areas(const bvxi_repair_job *job, piece_sums *sums)
 }
 
 /* The loops' vector areas go to their pieces. */
-static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, piece_sums *sums)
+static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, all_sums *sums)
 {
     uint64_t begin = 0;
     for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
@@ -155,13 +168,13 @@ static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, piece
             cross_of_triangle((const double(*)[3])p, n);
             for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];
         }
-        sums[job->piece[holes->vertex[begin]]].lid += vector_length(sum);
-        sums[job->piece[holes->vertex[begin]]].open = 1;
+        sums_of(job, sums, holes->vertex[begin])->lid += vector_length(sum);
+        sums_of(job, sums, holes->vertex[begin])->open = 1;
     }
 }
 
 /* By the plain loops: an edge of two triangles that run one way is no hole. */
-static bvx_status sum_lids(bvxi_repair_job *job, piece_sums *sums)
+static bvx_status sum_lids(bvxi_repair_job *job, all_sums *sums)
 {
     bvxi_holes holes;
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0) return BVX_OK;
@@ -193,12 +206,12 @@ static int is_sheet(const piece_sums *s)
 }
 
 /* Triangles of bodies first, those of sheets last; pieces without area are left out. Without sheets the body is the mesh. */
-static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums)
+static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
 {
     uint64_t sheet_triangles = 0, next[2];
     uint32_t c[3];
-    for (uint64_t v = 0; v < job->given->vertex_count; v++)
-        if (is_sheet(&sums[v])) sheet_triangles += sums[v].triangles;
+    for (uint64_t i = 0; i < sums->count; i++)
+        if (is_sheet(&sums->piece[i])) sheet_triangles += sums->piece[i].triangles;
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
     if (sheet_triangles == 0) return BVX_OK;
@@ -210,7 +223,7 @@ static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums)
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         const piece_sums *piece;
         bvxi_view_triangle(&job->mesh, t, c);
-        piece = &sums[job->piece[c[0]]];
+        piece = sums_of(job, sums, c[0]);
         if (piece->area > 0) memcpy(job->parted + 3 * next[is_sheet(piece)]++, c, sizeof c);
     }
     bvxi_repair_view(job, job->parted, next[0], &job->body);
@@ -220,33 +233,33 @@ static bvx_status list_parted(bvxi_repair_job *job, const piece_sums *sums)
 /* ---- Open pieces that make a body together ---- */
 
 /* The triangles of open pieces are to be asked. Returns how many. */
-static uint64_t ask_open_pieces(const bvxi_repair_job *job, const piece_sums *sums, uint8_t *answer)
+static uint64_t ask_open_pieces(const bvxi_repair_job *job, const all_sums *sums, uint8_t *answer)
 {
     uint64_t count = 0;
     uint32_t c[3];
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         bvxi_view_triangle(&job->mesh, t, c);
-        answer[t] = is_open_piece(&sums[job->piece[c[0]]]) ? BVXI_TRIANGLE_ASKED : 0;
+        answer[t] = is_open_piece(sums_of(job, sums, c[0])) ? BVXI_TRIANGLE_ASKED : 0;
         count += answer[t] != 0;
     }
     return count;
 }
 
-static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, piece_sums *sums)
+static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_sums *sums)
 {
     double p[3][3], n[3];
     uint32_t c[3];
-    for (uint64_t v = 0; v < job->given->vertex_count; v++) sums[v].joined = 0;
+    for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
         corners_of_triangle(&job->mesh, t, c, p);
         cross_of_triangle((const double(*)[3])p, n);
-        sums[job->piece[c[0]]].joined += 0.5 * vector_length(n);
+        sums_of(job, sums, c[0])->joined += 0.5 * vector_length(n);
     }
 }
 
 /* The triangles of joined pieces are to be asked again; none where a lid over all of them would be large. Returns how many. */
-static uint64_t ask_joined_pieces(const bvxi_repair_job *job, piece_sums *sums, uint8_t *answer)
+static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, uint8_t *answer)
 {
     double all[3] = {0, 0, 0}, area = 0, p[3][3], n[3];
     uint64_t count = 0;
@@ -254,7 +267,7 @@ static uint64_t ask_joined_pieces(const bvxi_repair_job *job, piece_sums *sums, 
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         if (answer[t] == 0) continue;
         corners_of_triangle(&job->mesh, t, c, p);
-        answer[t] = is_joined(&sums[job->piece[c[0]]]) ? BVXI_TRIANGLE_ASKED : 0;
+        answer[t] = is_joined(sums_of(job, sums, c[0])) ? BVXI_TRIANGLE_ASKED : 0;
         if (answer[t] == 0) continue;
         cross_of_triangle((const double(*)[3])p, n);
         for (int a = 0; a < 3; a++) all[a] += 0.5 * n[a];
@@ -262,12 +275,12 @@ static uint64_t ask_joined_pieces(const bvxi_repair_job *job, piece_sums *sums, 
         count++;
     }
     if (vector_length(all) < SHEET_LID * area) return count;
-    for (uint64_t v = 0; v < job->given->vertex_count; v++) sums[v].joined = 0;
+    for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
     return 0;
 }
 
 /* Asked by all, then by what is left without those that turned out as sheets, until no more do. */
-static bvx_status join_open_pieces(bvxi_repair_job *job, piece_sums *sums)
+static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
 {
     uint64_t const bytes = job->mesh.triangle_count;
     uint64_t asked, before = 0;
@@ -288,21 +301,40 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, piece_sums *sums)
     return status;
 }
 
+/* Number the pieces, and open their sums. */
+static bvx_status open_sums(bvxi_repair_job *job, all_sums *sums)
+{
+    bvx_status status;
+
+    memset(sums, 0, sizeof *sums);
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the pieces' numbers", &sums->number));
+    for (uint64_t v = 0; v < job->given->vertex_count; v++)
+        if (job->piece[v] == v) sums->number[v] = (uint32_t)sums->count++;
+    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sums->count * sizeof *sums->piece, "the pieces' areas", &sums->piece);
+    if (status != BVX_OK) bvxi_free(job->ctx, sums->number, job->given->vertex_count * 4);
+    return status;
+}
+
+static void close_sums(bvxi_repair_job *job, all_sums *sums)
+{
+    bvxi_free(job->ctx, sums->piece, sums->count * sizeof *sums->piece);
+    bvxi_free(job->ctx, sums->number, job->given->vertex_count * 4);
+}
+
 bvx_status bvxi_repair_part(bvxi_repair_job *job)
 {
-    uint64_t const bytes = job->given->vertex_count * sizeof(piece_sums);
-    piece_sums *sums;
+    all_sums sums;
     bvx_status status;
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
     if (job->options->shell == 0) return BVX_OK;
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the pieces' areas", &sums));
-    sum_areas(job, sums);
-    find_rods(job, sums);
-    status = sum_lids(job, sums);
-    if (status == BVX_OK) status = join_open_pieces(job, sums);
-    if (status == BVX_OK) status = list_parted(job, sums);
-    bvxi_free(job->ctx, sums, bytes);
+    BVXI_TRY(open_sums(job, &sums));
+    sum_areas(job, &sums);
+    find_rods(job, &sums);
+    status = sum_lids(job, &sums);
+    if (status == BVX_OK) status = join_open_pieces(job, &sums);
+    if (status == BVX_OK) status = list_parted(job, &sums);
+    close_sums(job, &sums);
     job->report.shelled_triangles = job->sheets.triangle_count;
     job->report.shelled = job->sheets.triangle_count != 0;
     return status;

@@ -10,8 +10,8 @@ whole_levels() { # NAME, MESH
     rm -f level_*.ply
     "$program" info "$2" --json >out 2>err || return 1
     count=$(grep -o '"triangles": [0-9]*' out | head -n 1 | tr -dc 0-9)
-    run lod "$2" --triangles "$((count / 10 + 4)),$((count * 3 / 100 + 4)),$((count / 100 + 4))" -o level_%d.ply --quiet
-    [ $status = 0 ] || return 1
+    run lod "$2" --triangles "$((count / 10 + 4)),$((count * 3 / 100 + 4)),$((count / 100 + 4))" -o level_%d.ply --json
+    [ $status = 0 ] && ! grep -q '"[a-z_]*components[a-z_]*": [0-9]\{9\}' out || return 1
     for i in 0 1 2; do
         "$program" info level_$i.ply --json --crossings >out 2>>err || return 1
         grep -q '"closed": true, "manifold": true, "oriented": true' out && grep -q '"crossings": 0' out || return 1
