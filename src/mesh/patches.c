@@ -126,6 +126,11 @@ static void balance_edge(patch_work *w, uint64_t at, uint64_t n)
 
     for (uint64_t i = 0; i < n; i++) down += runs_down(w, at + i) ^ w->out->turn[w->numbers[at + i] / 3];
     w->out->open_edges += 2 * down > n ? 2 * down - n : n - 2 * down;
+
+    if (n == 1 || (n == 2 && down == 1)) return;
+    if (w->out->refused_edges++ != 0) return;
+    w->out->refused[0] = (uint32_t)(w->keys[at] >> 32);
+    w->out->refused[1] = (uint32_t)w->keys[at];
 }
 
 static void each_edge(patch_work *w, void (*visit)(patch_work *, uint64_t, uint64_t))

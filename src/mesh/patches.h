@@ -14,6 +14,8 @@ typedef struct bvxi_patches {
     uint64_t unorientable;  /* patches whose triangles no turning makes run the same way round */
     uint64_t odd_edges;     /* edges with an odd number of triangles */
     uint64_t open_edges;    /* after turning: by how many more triangles run along edges one way than the other */
+    uint64_t refused_edges; /* after turning: those of three triangles or more, or of two that run along them the same way */
+    uint32_t refused[2];    /* the first one's corners */
 } bvxi_patches;
 
 /* Find what to turn so that the triangles of each patch run the same way round, as most of them do. Where no side has five

@@ -335,6 +335,21 @@ static inline void maker_shift(maker_mesh *m, size_t first, double x, double y, 
     }
 }
 
+/* Turned off the axes, so that edges lie anyhow between the centres of a lattice. */
+static inline void maker_turn(maker_mesh *m)
+{
+    static const double c = 0.8, s = 0.6;
+
+    for (size_t v = 0; v < m->vertices; v++) {
+        double *const p = m->p + 3 * v;
+        double const x = c * p[0] - s * p[1], y = s * p[0] + c * p[1], z = p[2];
+
+        p[0] = x;
+        p[1] = c * y - s * z;
+        p[2] = s * y + c * z;
+    }
+}
+
 /* Triangles in another order, each turned so that it begins at another corner; orientations stay. */
 static inline void maker_shuffle_triangles(maker_mesh *m, uint64_t *seed)
 {

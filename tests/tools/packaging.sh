@@ -18,28 +18,7 @@ logs=$work/logs
 command -v cmake >/dev/null 2>&1 || { skip packaging "cmake is missing (Debian: cmake)"; finish; exit; }
 
 expected=43680
-cat >"$work/consumer/use.c" <<'END'
-#include <bitvox.h>
-#include <stdio.h>
-int main(void)
-{
-    static const float xyz[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    static const uint32_t triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-    bvx_mesh_view view = {xyz, triangles, 4, 4, BVX_F32, 0, BVX_U32, 0, NULL, 0};
-    bvx_context *ctx;
-    bvx_lattice lattice;
-    bvx_grid solid = {0};
-    uint64_t set = 0;
-    if (bvx_context_create(NULL, &ctx) != BVX_OK) return 1;
-    if (bvx_lattice_fit(ctx, &view, 64, &lattice) != BVX_OK || bvx_voxelize_solid(ctx, &view, &lattice, NULL, &solid) != BVX_OK)
-        return 1;
-    bvx_grid_count(ctx, &solid, &set);
-    printf("%u\n", (unsigned)set);
-    bvx_grid_free(ctx, &solid);
-    bvx_context_destroy(ctx);
-    return 0;
-}
-END
+cp tests/tools/consumer.c "$work/consumer/use.c"
 
 # One project, which finds the library in the way that it is told.
 cat >"$work/consumer/CMakeLists.txt" <<END

@@ -69,25 +69,12 @@ static void assert_order_does_not_show(order_shape *make)
 
 /* ---- Shapes ---- */
 
-/* Turned off the axes, so that edges lie anyhow between centres. */
-static void turn_mesh(void)
-{
-    static const double c = 0.8, s = 0.6;
-    for (size_t v = 0; v < mesh.vertices; v++) {
-        double *const p = mesh.p + 3 * v;
-        double const x = c * p[0] - s * p[1], y = s * p[0] + c * p[1], z = p[2];
-        p[0] = x;
-        p[1] = c * y - s * z;
-        p[2] = s * y + c * z;
-    }
-}
-
 static void make_turned_box(void)
 {
     double const low[3] = {0, 0, 0}, high[3] = {3, 4, 5};
     maker_clear(&mesh);
     maker_box(&mesh, low, high);
-    turn_mesh();
+    maker_turn(&mesh);
 }
 
 /* Even along the lattice: centres in the middle are equally far from several sides. */
@@ -116,7 +103,7 @@ static void make_turned_wedge(void)
     for (uint32_t i = 0; i < 3; i++) maker_quad(&mesh, i, (i + 1) % 3, (i + 1) % 3 + 3, i + 3, 0);
     maker_triangle(&mesh, 2, 1, 0);
     maker_triangle(&mesh, 3, 4, 5);
-    turn_mesh();
+    maker_turn(&mesh);
 }
 
 /* A star with triangles missing: lids close it. */
@@ -133,7 +120,7 @@ static void make_crossed_boxes(void)
     maker_clear(&mesh);
     maker_box(&mesh, low, high);
     maker_box(&mesh, other_low, other_high);
-    turn_mesh();
+    maker_turn(&mesh);
 }
 
 static void test_order_of_a_turned_box(void) { assert_order_does_not_show(make_turned_box); }

@@ -30,25 +30,12 @@ static bvx_mesh repaired(const bvx_repair_options *o)
     return out;
 }
 
-/* Off the axes, so that edges lie anyhow between centres. */
-static void turn_mesh(void)
-{
-    static const double c = 0.8, s = 0.6;
-    for (size_t v = 0; v < mesh.vertices; v++) {
-        double *const p = mesh.p + 3 * v;
-        double const x = c * p[0] - s * p[1], y = s * p[0] + c * p[1], z = p[2];
-        p[0] = x;
-        p[1] = c * y - s * z;
-        p[2] = s * y + c * z;
-    }
-}
-
 static void make_turned_box(void)
 {
     double const low[3] = {0, 0, 0}, high[3] = {3, 4, 5};
     maker_clear(&mesh);
     maker_box(&mesh, low, high);
-    turn_mesh();
+    maker_turn(&mesh);
 }
 
 static void make_smooth_star(void)
@@ -180,7 +167,7 @@ static void make_wedge(int k)
     double const outline[3][2] = {{0, 0}, {8, -8 * half_tangent[k]}, {8, 8 * half_tangent[k]}};
     maker_clear(&mesh);
     add_prism(outline, 3, 0, 6);
-    turn_mesh();
+    maker_turn(&mesh);
 }
 
 /* A star of n points in a plane, as thick as wide: acute edges up and down. */
@@ -193,7 +180,7 @@ static void make_star_prism(uint32_t n)
     for (uint32_t i = 0; i < 2 * n; i++)
         for (int a = 0; a < 2; a++) outline[i][a] = circle[i * (12 / (2 * n))][a] * (i % 2 == 0 ? 5 : 1.5);
     add_prism((const double(*)[2])outline, 2 * n, 0, 2);
-    turn_mesh();
+    maker_turn(&mesh);
 }
 
 /* A needle of a pyramid. */
@@ -207,7 +194,7 @@ static void make_pyramid(double height)
     maker_vertex(&mesh, 0.1, 0.2, height);
     maker_quad(&mesh, 3, 2, 1, 0, 0);
     for (uint32_t i = 0; i < 4; i++) maker_triangle(&mesh, i, (i + 1) % 4, 4);
-    turn_mesh();
+    maker_turn(&mesh);
 }
 
 /* Frames of bars with acute edges within each other: rings of a rhombic section around a square. */
@@ -226,7 +213,7 @@ static void make_frame(void)
             uint32_t const next = (k + 1) % 4, up = (s + 1) % 4;
             maker_quad(&mesh, 4 * k + s, 4 * next + s, 4 * next + up, 4 * k + up, 0);
         }
-    turn_mesh();
+    maker_turn(&mesh);
 }
 
 /* Parts in are parts out, cavities too; and the default is as near as a third of the surface without sharp edges. */
