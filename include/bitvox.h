@@ -2023,7 +2023,7 @@ typedef struct bvx_repair_report {
     int32_t copied;              /**< 1: it needed none and was copied (if_needed) */
     int32_t thin_kept;           /**< 1: thin walls are in the result, 0: there are none, or they are lost where no centre lies inside */
     uint64_t crossings;          /**< pairs of triangles of the input that cross; counted where nothing else is wrong with it */
-    uint64_t crumbs;             /**< small parts and pockets that the mesh has none for: dropped and filled, also counted in parts_dropped
+    uint64_t crumbs;             /**< small parts and pockets that are not in the mesh: dropped and filled, also counted in parts_dropped
                                       and cavities_dropped */
     uint64_t turned;             /**< AUTO: triangles that faced the other way than their neighbours and were turned */
     uint64_t thin_voxels;        /**< voxels at walls that the lattice loses: thinner than 1.5 voxels, with no centre inside to show them */
@@ -2056,7 +2056,7 @@ typedef struct bvx_repair_options {
     uint64_t target_triangles;   /**< the largest resolution, up to resolution, that a bisection finds not to exceed it [Default: 0, none] */
     uint64_t measure_samples;    /**< [Limit: 1..2^31-1] [Default: 100000] */
     bvx_repair_report *report;   /**< receives what was found and done when not NULL [Default: NULL] */
-    int32_t keep_crumbs;         /**< 1: small parts and pockets that the mesh has none for stay: those of at most 64 voxels or a thousandth of
+    int32_t keep_crumbs;         /**< 1: small parts and pockets that are not in the mesh stay: those of at most 64 voxels or a thousandth of
                                       all, without a voxel that has its six neighbours, beside a larger part of the same piece of the
                                       mesh, as acute edges and narrow grooves leave them [Default: 0, they are dropped and filled] */
     int32_t if_needed;           /**< 1: a mesh that needs nothing (the report's needs) is copied: the same positions and triangles, vertices

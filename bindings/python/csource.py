@@ -116,7 +116,7 @@ def _annotation(kind: str, name: str, sizes: list[int], note: str, classes: dict
         return f"tuple[{inner}, ...]" if sizes[0] > 4 else f"tuple[{', '.join([inner] * sizes[0])}]"
     if kind == "bvx_lattice":
         return '"Lattice"'
-    if name in ("sign", "source", "fill", "fill_reason"):  # rules, told by their names
+    if name in ("sign", "source", "fill", "fill_reason"):  # rules, by name
         return "str"
     return classes.get(kind) or ("bool" if kind == "int32_t" and note.startswith("1: ") else _TYPES[kind])
 

@@ -94,13 +94,13 @@ static int refuse_option(cli_run *run, const char *word, size_t length)
     const char *nearest;
     int32_t const bit = run->command->bit;
     snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word);
-    if (new_name(bit, name) != NULL) return cli_usage(run, "%s is no option of %s; it is %s", name, run->command->name, new_name(bit, name));
+    if (new_name(bit, name) != NULL) return cli_usage(run, "%s is not an option of %s; it is now called %s", name, run->command->name, new_name(bit, name));
     if (find_argument(word, length, CLI_ALL) >= 0)
         return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help'", run->command->name, name, run->command->name);
     nearest = cli_nearest(name, next_option, &bit);
     if (nearest != NULL)
-        return cli_usage(run, "%s is no option of %s; is %s meant?", name, run->command->name, nearest);
-    return cli_usage(run, "%s is no option of %s; see 'bitvox %s --help'", name, run->command->name, run->command->name);
+        return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name, nearest);
+    return cli_usage(run, "%s is not an option of %s; see 'bitvox %s --help'", name, run->command->name, run->command->name);
 }
 
 /* ---- the command line ---- */

@@ -283,7 +283,7 @@ static void warn_of_boolean(cli_run *run, const boolean_run *b)
             cli_warn(run, "%s: %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", cli_input_name(b->in[i].path),
                      b->solid[i].unbalanced_rows);
         if (b->solid[i].fill_reason == BVX_FILL_REASON_NESTED)
-            cli_warn(run, "%s: closed shells lie in others that face the same way and cross none: what lies in both is hollow; --fill nonzero "
+            cli_warn(run, "%s: closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero "
                      "has it solid", cli_input_name(b->in[i].path));
     }
     for (int i = 0; i < 2 && !b->by_mesh; i++)
@@ -315,7 +315,7 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
             run->options.output);
     cli_say(run, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
     cli_say(run, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1], run->report.set);
-    if (b->report.crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that the meshes have none for\n", b->report.crumbs);
+    if (b->report.crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n", b->report.crumbs);
     if (b->report.parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
     for (int i = 0; i < 2; i++)
         if (b->is_mesh[i]) cli_say_fill(run, b->solid[i].fill, b->solid[i].fill_reason, b->solid[i].turned);

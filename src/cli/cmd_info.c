@@ -274,7 +274,7 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud)
     *cloud = 0;
     if (status != CLI_DONE) return status;
     if (cli_input_format(run, path) == BVX_FORMAT_RAW)
-        return cli_fail(run, "%s: samples alone tell nothing; 'bitvox convert' with --shape, --sample-type and --level, --range or --label "
+        return cli_fail(run, "%s: a file of samples alone does not say how they lie; 'bitvox convert' with --shape, --sample-type and --level, --range or --label "
                         "makes a grid of them", cli_input_name(path));
     if (run->options.count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));

@@ -13,7 +13,7 @@ static int check_options_for_tree(cli_run *run)
 {
     static const char *const for_meshes[] = {"--resolution", "--base", "--halvings", "--outer-levels", "--adaptive"};
     for (size_t i = 0; i < sizeof for_meshes / sizeof for_meshes[0]; i++)
-        if (cli_given(run, for_meshes[i])) return cli_usage(run, "%s is for meshes; %s is none", for_meshes[i], cli_input_name(run->options.input[0]));
+        if (cli_given(run, for_meshes[i])) return cli_usage(run, "%s is for meshes; %s is not a mesh", for_meshes[i], cli_input_name(run->options.input[0]));
     return CLI_DONE;
 }
 

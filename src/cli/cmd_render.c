@@ -200,7 +200,7 @@ static int check_turntable(cli_run *run)
     if (o->turntable == 0) return CLI_DONE;
     if (o->inputs > 1 && !o->difference) return cli_usage(run, "--turntable takes one input, or two with --compare");
     if (!cli_has_number(o->output)) return cli_usage(run, "%s: %" PRId32 " frames need %%d in the name, for the number of each", o->output, o->turntable);
-    if (cli_has_two_numbers(o->output)) return cli_usage(run, "%s: %%d stands twice in the name", o->output);
+    if (cli_has_two_numbers(o->output)) return cli_usage(run, "%s: the name has two %%d", o->output);
     cli_scene_view(o, direction, up);
     if (!cli_turn(direction, up, 0, 1, turned))
         return cli_usage(run, "--turntable turns round the axis of --up; seen along it, all frames would be one picture: take another --from");

@@ -82,7 +82,7 @@ static void say_found(cli_run *run, const bvx_repair_report *r)
         cli_say(run, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n", r->holes, c->boundary_edges,
                 r->hole_length, r->longest_hole);
     if (c->flipped_edges != 0)
-        cli_say(run, "  flipped     %" PRIu64 " edges between triangles of opposite sides; %" PRIu64 " triangles turned round\n", c->flipped_edges,
+        cli_say(run, "  flipped     %" PRIu64 " edges between triangles of opposite sides; %" PRIu64 " triangles reversed\n", c->flipped_edges,
                 r->turned);
     if (c->nonmanifold_edges != 0) cli_say(run, "  junctions   %" PRIu64 " edges of three triangles or more\n", c->nonmanifold_edges);
     if (c->duplicates + c->degenerate + c->collapsed != 0)
@@ -130,7 +130,7 @@ static void say_repaired(cli_run *run, const bvx_repair_report *r, const cli_red
     if (!r->copied) cli_say(run, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1], (int)l->dims[2], cli_sign_names[r->sign],
             r->sharp ? ", sharp edges kept" : "");
     if (r->shelled) cli_say(run, "  shells      %" PRIu64 " triangles enclose nothing and became shells\n", r->shelled_triangles);
-    if (r->crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that the mesh has none for\n", r->crumbs);
+    if (r->crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the mesh\n", r->crumbs);
     say_thin(run, r);
     if (r->parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped, r->parts_dropped + r->parts_kept);
     if (r->cavities_dropped != 0)

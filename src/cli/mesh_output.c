@@ -62,7 +62,7 @@ int cli_check_level_names(cli_run *run, int count)
 {
     const char *const out = run->options.output;
 
-    if (cli_has_two_numbers(out)) return cli_usage(run, "%s: %%d stands twice in the name", out);
+    if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
     if (cli_has_number(out) || count == 1 || bvx_format_of_name(out) == BVX_FORMAT_GLB) return CLI_DONE;
     if (count != 0)
         return cli_usage(
@@ -80,7 +80,7 @@ int cli_check_output_origin(cli_run *run)
     const char *const out = run->options.output;
 
     if (!run->options.output_origin.given || cli_kind_of_format(bvx_format_of_name(out)) == CLI_MESH) return CLI_DONE;
-    return cli_usage(run, "--output-origin is for meshes; %s is none", out);
+    return cli_usage(run, "--output-origin is for meshes; %s is not a mesh", out);
 }
 
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh)

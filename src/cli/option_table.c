@@ -117,7 +117,7 @@ static const cli_argument arguments[] = {
            "what becomes of open sheets. keep: they stay open, with their borders;\ncut: as keep, but cut along edges of three triangles and more;\n"
            "refuse: they are an error [keep]"),
     FLAG("--sharp", CLI_LOD, sharp, "of the measured surface: put vertices on sharp edges and corners"),
-    FLAG("--no-sharp", CLI_LOD, no_sharp, "put none there [where many of the mesh's edges are sharp]"),
+    FLAG("--no-sharp", CLI_LOD, no_sharp, "do not put vertices there [where many of the mesh's edges are sharp]"),
     FLAG("--outer-hull", CLI_LOD, outer_hull, "inner shells and cavities go"),
     CHOICE("--method", "NAME", CLI_LOD, method, method_names, BVX_LOD_EDGE_RATIO,
            "collapse: edges of the mesh collapse; edge-ratio, coverage: samples of a\nsolid [collapse; edge-ratio for grids, volumes, and with --levels,\n"
@@ -217,7 +217,7 @@ static const cli_argument arguments[] = {
     CHOICE("--interpolation", "HOW", CLI_REPAIR | CLI_BOOLEAN, interpolation, edge_names, BVX_EDGE_VECTOR,
            "tangent: from the planes at the closest points; vector: from the line\nthrough them; scalar: from the signed distance; middle; paper: vector\nwith the paper's clamps [tangent]"),
     FLAG("--sharp", CLI_REPAIR | CLI_BOOLEAN, sharp, "put vertices on sharp edges and corners"),
-    FLAG("--no-sharp", CLI_REPAIR | CLI_BOOLEAN, no_sharp, "put none there [where many of a mesh's edges are sharp]"),
+    FLAG("--no-sharp", CLI_REPAIR | CLI_BOOLEAN, no_sharp, "do not put vertices there [where many of a mesh's edges are sharp]"),
     CHOICE("--thin", "WHAT", CLI_REPAIR, thin, thin_names, BVX_THIN_SHELL,
            "walls of bodies too thin for the voxels. shell: pieces without a voxel\nbecome shells, other walls are lost where no centre lies in them, with a\nwarning; keep: all whole, about as thick as they are; drop: lost [shell]"),
     FROM_TO("--shell", "T", CLI_REPAIR | CLI_LOD, shell, 0, 1e6, "thickness of shells in voxels, from 1.5; 0: none are made [2]"),

@@ -57,7 +57,7 @@ void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_repor
     else if (r->unbalanced_rows != 0)
         cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", r->unbalanced_rows, rows);
     if (r->fill_reason == BVX_FILL_REASON_NESTED)
-        cli_warn(run, "closed shells lie in others that face the same way and cross none: what lies in both is hollow; --fill nonzero has "
+        cli_warn(run, "closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero has "
                  "it solid");
     if (r->leaks != 0)
         cli_warn(run, "the flood came through a hole to %" PRIu64 " voxels that are surely inside; a larger --close-gaps may hold it, "
@@ -97,7 +97,7 @@ void cli_say_fill(cli_run *run, int32_t fill, int32_t reason, uint64_t turned)
     static const char *const why[] = {"", ": closed, nothing lies inside twice", ": closed shells lie in others and cross none",
                                       ": closed shells cross", ": open edges", ": triangles that cannot be oriented"};
     cli_say(run, "  fill        %s%s", cli_fill_names[fill], why[reason]);
-    if (turned != 0) cli_say(run, "; %" PRIu64 " triangle%s turned round", turned, turned == 1 ? "" : "s");
+    if (turned != 0) cli_say(run, "; %" PRIu64 " triangle%s reversed", turned, turned == 1 ? "" : "s");
     cli_say(run, "\n");
 }
 

@@ -26,7 +26,7 @@ static int check_volume_output(cli_run *run, int *kind)
     if (run->options.all_labels && (*kind != CLI_MESH || !has_number))
         return cli_usage(run, "--all-labels writes a mesh for each label: %s needs %%d in the name of a mesh", out);
     if (!run->options.all_labels && has_number) return cli_usage(run, "%s: %%d is for --all-labels", out);
-    if (cli_has_two_numbers(out)) return cli_usage(run, "%s: %%d stands twice in the name", out);
+    if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
     return CLI_DONE;
 }
 

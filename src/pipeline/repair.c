@@ -39,7 +39,7 @@ static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_option
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keep_crumbs %d and if_needed %d are 0 or 1", bvxi_repair_name, (int64_t)o->keep_crumbs,
                          (int64_t)o->if_needed);
     if (o->thin < BVX_THIN_SHELL || o->thin > BVX_THIN_DROP)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: thin %d is none of BVX_THIN_SHELL .. BVX_THIN_DROP", bvxi_repair_name, (int64_t)o->thin);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: thin is %d, not one of BVX_THIN_SHELL .. BVX_THIN_DROP", bvxi_repair_name, (int64_t)o->thin);
     if (o->reserved0 != 0 || o->reserved[0] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", bvxi_repair_name);
     return BVX_OK;
 }

@@ -213,7 +213,8 @@ static int is_in_marked_block(const thin_job *t, const double p[3][3])
     if ((int64_t)(to[0] - from[0] + 1) * (to[1] - from[1] + 1) * (to[2] - from[2] + 1) > THIN_MANY_BLOCKS) return 1;
     for (int32_t z = from[2]; z <= to[2]; z++)
         for (int32_t y = from[1]; y <= to[1]; y++)
-            if (memchr(block_row(t, y, z) + from[0], 1, (size_t)(to[0] - from[0]) + 1) != NULL) return 1;
+            for (int32_t x = from[0]; x <= to[0]; x++)
+                if (block_row(t, y, z)[x]) return 1;
     return 0;
 }
 
@@ -384,14 +385,20 @@ static void take_into_box(bvx_repair_report *r, const int32_t at[3])
     }
 }
 
-/* The wall that a tenth of the places is thinner than, from counts by thickness. */
-static double common_wall(const uint64_t counts[THIN_BINS], uint64_t all)
+/* The walls of one range of thickness. */
+typedef struct thin_bin {
+    uint64_t count;
+    double sum;
+} thin_bin;
+
+/* The wall that a tenth of the places is thinner than: the mean of the range that holds it. */
+static double common_wall(const thin_bin bins[THIN_BINS], uint64_t all)
 {
     uint64_t below = 0;
     int bin = 0;
 
-    while (bin + 1 < THIN_BINS && (below += counts[bin]) * 10 <= all) bin++;
-    return THIN_WALL * bin / THIN_BINS;
+    while (bin + 1 < THIN_BINS && (below += bins[bin].count) * 10 <= all) bin++;
+    return bins[bin].count != 0 ? bins[bin].sum / (double)bins[bin].count : 0;
 }
 
 /* Voxels along the longest axis with which a wall is as thick as holds anywhere; 0 where there is no such number. */
@@ -399,12 +406,15 @@ static int32_t resolution_for(const bvxi_repair_job *job, double wall)
 {
     int32_t longest = job->resolution;
     double needed;
+    int32_t whole;
 
     for (int a = 0; a < 3 && job->options->lattice != NULL; a++)
         if (a == 0 || job->lattice.dims[a] > longest) longest = job->lattice.dims[a];
     if (!(wall > 0)) return 0;
-    needed = ceil((double)longest * THIN_WALL / wall);
-    return needed <= (double)(1 << 24) ? (int32_t)needed : 0;
+    needed = (double)longest * THIN_WALL / wall;
+    if (!(needed <= (double)(1 << 24))) return 0;
+    whole = (int32_t)needed;
+    return whole < needed ? whole + 1 : whole;
 }
 
 /* How many, how thin and where. own: a byte a vertex, set for the pieces that have such walls. */
@@ -412,7 +422,7 @@ static void report_walls(thin_job *t, uint8_t *own)
 {
     bvxi_repair_job *const job = t->job;
     bvx_repair_report *const r = &job->report;
-    uint64_t counts[THIN_BINS] = {0};
+    thin_bin bins[THIN_BINS] = {{0, 0}};
     double wall;
 
     for (uint64_t n = 0; n < t->count; n++) {
@@ -424,10 +434,11 @@ static void report_walls(thin_job *t, uint8_t *own)
         centre_of_bit(&t->places, t->at[n], at);
         take_into_box(r, at);
         r->thin_voxels++;
-        counts[bin < THIN_BINS ? bin : THIN_BINS - 1]++;
+        bins[bin < THIN_BINS ? bin : THIN_BINS - 1].count++;
+        bins[bin < THIN_BINS ? bin : THIN_BINS - 1].sum += (double)p->wall;
         own[job->piece[t->corner[3 * (size_t)p->triangle]]] = 1;
     }
-    wall = r->thin_voxels != 0 ? common_wall(counts, r->thin_voxels) : 0;
+    wall = r->thin_voxels != 0 ? common_wall(bins, r->thin_voxels) : 0;
     r->thin_wall = wall * t->unit;
     r->thin_resolution = r->thin_voxels != 0 ? resolution_for(job, wall) : 0;
     r->thin_kept = r->thin_voxels != 0 && job->options->thin == BVX_THIN_KEEP;

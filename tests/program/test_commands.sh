@@ -455,7 +455,7 @@ holds 'three frames' test "$(ls g_*.png | wc -l)" = 3
 works 'a turntable at eye level' render plain.obj -o t_%d.png --turntable 4 --size 80x60 --from 1,0,0
 pixels 'frames have one scale' 'tall("t_0.png") == tall("t_1.png") == tall("t_2.png") > 20'
 refuses 2 'need %d' render "$knot" -o x.png --turntable 4
-refuses 2 'stands twice' render "$knot" -o x_%d_%d.png --turntable 4
+refuses 2 'has two %d' render "$knot" -o x_%d_%d.png --turntable 4
 refuses 2 'takes one input' render "$knot" "$knot" -o x_%d.png --turntable 4
 refuses 2 'turns round' render "$knot" -o x_%d.png --turntable 4 --from 0,0,2
 refuses 2 'from 2 to 360' render "$knot" -o x_%d.png --turntable 1

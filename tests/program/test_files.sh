@@ -68,8 +68,8 @@ compares 'the certificate is of the bytes in the file' \
     'all(r["meshes"][0][k] == s["meshes"][0][k] for k in ("vertices", "triangles", "closed", "manifold", "volume", "area", "low", "high")) and abs(r["meshes"][0]["low"][1]) < 5'
 works 'levels brought near' lod utm.obj -o near.glb --triangles 20000,9600 --samples 0 --output-origin 600000,5000000,0
 gives 'a section brought near' 0 'closed, manifold' sections utm.csv -o near.stl --output-origin 600000,5000000,0 --subdivide 8
-refuses 2 'is for meshes; x.npy is none' convert knot.obj -o x.npy --output-origin 0,0,0
-refuses 2 'is for meshes; x.npy is none' voxelize knot.obj -o x.npy --output-origin 0,0,0
+refuses 2 'is for meshes; x.npy is not a mesh' convert knot.obj -o x.npy --output-origin 0,0,0
+refuses 2 'is for meshes; x.npy is not a mesh' voxelize knot.obj -o x.npy --output-origin 0,0,0
 
 # Two cubes that share an edge by numbers of their own: .ply keeps them apart, readers of .stl join them.
 cube() { # FIRST NUMBER, X, Y
@@ -125,7 +125,7 @@ works 'digits of frames' render knot.obj -o 'f_%04d.png' --turntable 2 --size 20
 holds 'as they say' test -s f_0000.png -a -s f_0001.png
 works 'digits of labels' voxelize "$root/fixtures/labels.npy" -o 'p_%02d.ply' --all-labels
 holds 'of two digits' test -s p_01.ply
-refuses 2 'stands twice' simplify knot.obj -o 'k_%03d_%d.ply' --count 2
+refuses 2 'has two %d' simplify knot.obj -o 'k_%03d_%d.ply' --count 2
 for how in '' --json; do
     # shellcheck disable=SC2086
     { "$program" info knot.obj $how; echo $? >code; } 2>err | :
@@ -148,7 +148,7 @@ if has gzip && gzip -c mark.ply >tail.ply.gz 2>err; then
     warns '4 bytes behind the data' info tail.ply.gz
 fi
 refuses 2 'boolean OPERATION A B' boolean union knot.obj -o x.ply
-refuses 1 'samples alone tell nothing' info "$root/fixtures/waves.raw"
+refuses 1 'a file of samples alone does not say how they lie' info "$root/fixtures/waves.raw"
 
 # ---- what files hold ----
 
@@ -179,7 +179,7 @@ for option in '--level 16' '--range 1,2' '--label 2' --below '--shape 8,8,8' '--
 done
 refuses 2 'is for volumes' voxelize knot.obj -o x_%d.ply --all-labels
 refuses 2 'is --levels meant?' lod knot.obj -o x_%d.ply --level 16
-refuses 2 'it is --halvings' refine knot.obj -o x.bvx --levels 3
+refuses 2 'it is now called --halvings' refine knot.obj -o x.bvx --levels 3
 refuses 2 '--states is for octrees' render knot.bvx -o x.png --states inside
 refuses 2 '--states is for octrees' render knot.obj -o x.png --states inside
 refuses 2 '--body is for clouds of points; '"$root/fixtures/waves.nhdr"' is a volume' voxelize "$root/fixtures/waves.nhdr" -o x.bvx --level 100 --body

@@ -219,7 +219,7 @@ refuses 2 'one of: auto, mesh, measured' lod "$knot" -o x_%d.ply --source solid
 refuses 2 'need %d' lod "$knot" -o x.ply --count 2
 refuses 2 'need %d' simplify "$knot" -o x.obj --triangles 3000,300
 refuses 2 'only .glb holds several' lod "$knot" -o x.ply
-refuses 2 'stands twice' lod "$knot" -o x_%d_%d.glb
+refuses 2 'has two %d' lod "$knot" -o x_%d_%d.glb
 for value in '' 0 -1 0% 1,,2 1% 1%%; do
     [ "$value" = 1% ] || refuses 2 'distances above 0' lod "$knot" -o x_%d.ply --error "$value"
 done

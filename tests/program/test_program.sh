@@ -131,11 +131,11 @@ refuses 2 "'lod' meant" lods "$knot"
 refuses 2 'is no command' xyzzy
 refuses 2 'is no command' help xyzzy
 refuses 2 'too many' help lod info
-refuses 2 '--resolution meant' lod "$knot" -o x_%d.ply --resolutoin 64
-refuses 2 '--resolution meant' lod "$knot" -o x_%d.ply --res 64
-refuses 2 '--threads meant' info "$knot" --thread 1
-refuses 2 'is no option of info' info "$knot" --quux
-refuses 2 'is no option of info' info "$knot" -v
+refuses 2 'did you mean --resolution' lod "$knot" -o x_%d.ply --resolutoin 64
+refuses 2 'did you mean --resolution' lod "$knot" -o x_%d.ply --res 64
+refuses 2 'did you mean --threads' info "$knot" --thread 1
+refuses 2 'is not an option of info' info "$knot" --quux
+refuses 2 'is not an option of info' info "$knot" -v
 refuses 2 'has no use for --fill' info "$knot" --fill parity
 refuses 2 'has no use for -o' info "$knot" -o x.ply
 refuses 2 'has no use for --smooth' lod "$knot" -o x_%d.ply --smooth
@@ -159,7 +159,7 @@ refuses 2 'needs --triangles' lod "$knot" -o x_%d.ply --collapse 3
 refuses 2 'below level 64' lod "$knot" -o x_%d.ply --levels 64,32 --resolution 63
 refuses 2 'whole number from 1' lod "$knot" -o x_%d.ply --resolution 64,64,64
 refuses 2 'need %d' lod "$knot" -o x.ply
-refuses 2 'stands twice' lod "$knot" -o x_%d_%d.ply
+refuses 2 'has two %d' lod "$knot" -o x_%d_%d.ply
 refuses 2 'no mesh format that is written' lod "$knot" -o x_%d.npy
 refuses 2 'no mesh format that is written' lod "$knot" -o x_%d.ply.gz
 refuses 2 'no grid format that is written' voxelize "$knot" -o x.ply
@@ -181,10 +181,10 @@ refuses 2 'only once' render - - --format ply -o x.png
 refuses 2 'one of: auto, bar, json, none' info "$knot" --progress=yes
 refuses 2 'exclude each other' info "$knot" --progress=bar --quiet
 refuses 2 'given twice' info "$knot" --progress=bar --progress=json
-refuses 2 '--progress meant' info "$knot" --progres
-refuses 2 '--memory-limit meant' info "$knot" --memory 1G
-refuses 2 '--from meant' render "$knot" -o x.png --fron 1,2,3
-refuses 2 '--size meant' render "$knot" -o x.png -size 9x9
+refuses 2 'did you mean --progress' info "$knot" --progres
+refuses 2 'did you mean --memory-limit' info "$knot" --memory 1G
+refuses 2 'did you mean --from' render "$knot" -o x.png --fron 1,2,3
+refuses 2 'did you mean --size' render "$knot" -o x.png -size 9x9
 refuses 2 'standard output' render "$knot" -o -
 
 # ---- bad input: status 1 ----
