@@ -306,6 +306,15 @@ BVX_API void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh);
 /** A view of a mesh; the frame is not part of it. */
 BVX_API void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view);
 
+/** Drop vertices with a coordinate that is not finite, and the triangles that use them: all other calls refuse such a mesh with
+ *  the number of a vertex.
+ *  mesh     its arrays, the library's or the caller's, are written: what remains moves up and keeps its order, its keys, colours
+ *           and texture coordinates. The counts are set, the capacities stay. May be without triangles afterwards.
+ *  dropped  out; triangles
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (index, with its triangle), BVX_ERR_MEMORY, BVX_ERR_BUDGET; the mesh is then unchanged.
+ *  Memory: 4 bytes a vertex, where there is something to drop. Cost: O(vertices + triangles). */
+BVX_API bvx_status bvx_mesh_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint64_t *dropped);
+
 /** Hash of type, counts, frame, positions and triangles; the recipe stands beside bvx_hash. */
 BVX_API bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash);
 
@@ -2305,6 +2314,14 @@ BVX_API int32_t bvx_format_of_name(const char *name);
  */
 BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                  bvx_mesh *mesh);
+
+/** The same, but triangles with a corner that is not finite are left out (bvx_mesh_drop_nonfinite), not refused; of a polygon
+ *  with such a corner all triangles are.
+ *  dropped  out; the triangles that were left out
+ *  Returns what bvx_read_mesh returns; BVX_ERR_EMPTY also when no triangle remains. Colours and texture coordinates must be
+ *  finite. Memory: 4 bytes a vertex more, where triangles are left out. */
+BVX_API bvx_status bvx_read_mesh_finite(bvx_context *context, const void *bytes, uint64_t size, int32_t format, uint64_t *dropped,
+                                        bvx_mesh *mesh);
 
 /** Read a cloud of points: the vertices of points, which has no triangles.
  *

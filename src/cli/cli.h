@@ -271,6 +271,7 @@ typedef struct cli_report {
     bvx_lattice lattice;
     int has_lattice, has_set;
     uint64_t set;
+    uint64_t nonfinite;      /* triangles of the inputs that were left out */
     struct {
         char name[32];
         double seconds;

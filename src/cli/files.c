@@ -293,11 +293,23 @@ static int is_mesh_format(int32_t format)
     return format == BVX_FORMAT_STL || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_PLY || format == BVX_FORMAT_OFF;
 }
 
+/* Commands that measure a mesh leave out triangles that lie nowhere; the others, which keep triangles, refuse them. */
+static bvx_status read_triangles(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
+{
+    uint64_t dropped = 0;
+    bvx_status status;
+
+    if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE)) == 0) return bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
+    status = bvx_read_mesh_finite(run->context, b->bytes, b->size, format, &dropped, mesh);
+    if (status == BVX_OK) run->report.nonfinite += dropped;
+    return status;
+}
+
 /* cloud NULL: a mesh alone will do. */
 static bvx_status parse_mesh(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh, int *cloud)
 {
     bvx_status read = BVX_ERR_EMPTY;
-    if (format != BVX_FORMAT_XYZ) read = bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
+    if (format != BVX_FORMAT_XYZ) read = read_triangles(run, b, format, mesh);
     if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)) return read;
     *cloud = 1;
     return bvx_read_points(run->context, b->bytes, b->size, format, mesh);
@@ -305,6 +317,7 @@ static bvx_status parse_mesh(cli_run *run, const cli_bytes *b, int32_t format, b
 
 static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
 {
+    uint64_t const before = run->report.nonfinite;
     cli_bytes b = {NULL, 0, 0, 0};
     int status = cli_read_file(run, path, &b);
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
@@ -315,6 +328,9 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
         cli_note_peak(run, b.size);
         bvx_memory_reset_peak(run->context);
         if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
+        else if (run->report.nonfinite != before)
+            cli_warn(run, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out", cli_input_name(path),
+                     run->report.nonfinite - before, run->report.nonfinite - before == 1 ? "" : "s");
     }
     free(b.bytes);
     return status;

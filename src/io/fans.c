@@ -5,6 +5,7 @@
  * Memory: some 50 bytes a corner of the largest polygon. */
 #include "io/fans.h"
 #include "mesh/polygon.h"
+#include "mesh/view.h"
 
 enum { FANS_BETWEEN_ASKS = 4096 };
 
@@ -49,16 +50,26 @@ static void fan_put_numbers(const fan_work *w, uint64_t corners, uint32_t *t)
     for (uint64_t i = 0; i < (corners - 2) * 3; i++) t[i] = w->number[w->cut[i]];
 }
 
+/* A polygon with a corner that is not finite has no plane: all of its triangles get that corner, and are dropped with it. */
+static void fan_spoil(uint32_t *t, uint64_t corners, uint32_t vertex)
+{
+    for (uint64_t i = 0; i < corners - 2; i++) t[i * 3] = vertex;
+}
+
 static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_polygon_fan *fan)
 {
     uint32_t *const t = mesh->triangles + (size_t)fan->triangle * 3;
     fan_take_numbers(t, fan->corners, w->number);
-    for (uint32_t k = 0; k < fan->corners; k++)
+    for (uint32_t k = 0; k < fan->corners; k++) {
         for (size_t a = 0; a < 3; a++) {
             size_t const i = (size_t)w->number[k] * 3 + a;
             w->corner[k][a] = mesh->position_type == BVX_F64 ? ((const double *)mesh->positions)[i]
                                                              : (double)((const float *)mesh->positions)[i];
         }
+        if (bvxi_view_finite(w->corner[k])) continue;
+        fan_spoil(t, fan->corners, w->number[k]);
+        return BVX_OK;
+    }
     BVXI_TRY(bvxi_polygon_cut(&w->polygon, (const double (*)[3])w->corner, fan->corners, w->cut));
     fan_put_numbers(w, fan->corners, t);
     if (mesh->uv_triangles != NULL) fan_put_numbers(w, fan->corners, mesh->uv_triangles + (size_t)fan->triangle * 3);

@@ -15,6 +15,7 @@ typedef struct bvxi_source {
     const char *ask;        /* progress is asked when reading comes here */
     double from, to;        /* share of this pass over the bytes */
     double reached;         /* the greatest fraction reported: it never falls when bytes are read again */
+    int32_t takes_any;      /* 1: coordinates that are not finite are taken, to be dropped later */
 } bvxi_source;
 
 bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh);

@@ -98,7 +98,7 @@ static bvx_status ply_take_floats(ply_file *f, const ply_element *e, const uint8
         out[1] = bvxi_load_f32(p + 4, f->big);
         out[2] = bvxi_load_f32(p + 8, f->big);
         float const sum = out[0] * 0.0f + out[1] * 0.0f + out[2] * 0.0f;
-        if (!(sum == 0.0f)) return bvxi_ply_fail_finite(f, (const char *)p, row + i, PLY_ROLE_X);
+        if (!(sum == 0.0f) && !f->source->takes_any) return bvxi_ply_fail_finite(f, (const char *)p, row + i, PLY_ROLE_X);
     }
     return BVX_OK;
 }

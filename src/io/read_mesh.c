@@ -1,5 +1,6 @@
 /* read_mesh.c - a mesh from the bytes of a file: the checks around the readers, and what they share. */
 #include "io/formats.h"
+#include "mesh/finite.h"
 
 enum { SOURCE_ASK_BYTES = 1 << 20, SOURCE_WORD_SHOWN = 24, SOURCE_GROUP = 64 };
 
@@ -149,12 +150,13 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *me
     }
 }
 
-static bvx_status run_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                bvx_mesh *mesh)
+/* dropped NULL: what is not finite is refused. */
+static bvx_status run_read_mesh(bvx_context *context, const char *function, const void *bytes, uint64_t size, int32_t format,
+                                uint64_t *dropped, bvx_mesh *mesh)
 {
-    static const char *const function = "bvx_read_mesh";
     bvxi_source source = {0};
     bvx_mesh made = {0};
+    uint64_t count = 0;
     bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
@@ -169,17 +171,33 @@ static bvx_status run_read_mesh(bvx_context *context, const void *bytes, uint64_
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
+    source.takes_any = dropped != NULL;
     status = read_mesh_as(&source, format, &made);
+    if (status == BVX_OK && dropped != NULL) {
+        status = bvxi_mesh_drop_nonfinite(context, function, &made, &count);
+        if (status == BVX_OK && made.triangle_count == 0)
+            status = bvxi_fail(context, BVX_ERR_EMPTY, "%s: each of the %u triangles has a corner that is not finite",
+                               source.format, count);
+    }
     if (status != BVX_OK) {
         bvx_mesh_free(context, &made);
         return status;
     }
     bvx_mesh_free(context, mesh);
     *mesh = made;
+    if (dropped != NULL) *dropped = count;
     return BVX_OK;
 }
 
 bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *mesh)
 {
-    return BVXI_CALL(context, run_read_mesh(context, bytes, size, format, mesh));
+    return BVXI_CALL(context, run_read_mesh(context, "bvx_read_mesh", bytes, size, format, NULL, mesh));
+}
+
+bvx_status bvx_read_mesh_finite(bvx_context *context, const void *bytes, uint64_t size, int32_t format, uint64_t *dropped,
+                                bvx_mesh *mesh)
+{
+    static const char *const function = "bvx_read_mesh_finite";
+    if (context != NULL && dropped == NULL) return bvxi_fail_null(context, function, "dropped");
+    return BVXI_CALL(context, run_read_mesh(context, function, bytes, size, format, dropped, mesh));
 }

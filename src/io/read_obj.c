@@ -66,7 +66,7 @@ static bvx_status obj_take_vertex(obj_reader *r, const char *p)
         size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, f->end, &out[a]);
         p = at + used;
         if (used == 0 || !obj_word_ends(f, p)) return bvxi_fail_expected(&r->source, at, "a coordinate");
-        if (!(out[a] - out[a] == 0.0))
+        if (!(out[a] - out[a] == 0.0) && !r->source.takes_any)
             return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE, "OBJ: line %u: vertex %u has a coordinate that is not finite",
                                     bvxi_source_line(&r->source, at), r->vertices + 1);
     }

@@ -209,7 +209,7 @@ static bvx_status off_take_position(off_file *f, uint64_t vertex)
     double normal;
     for (int a = 0; a < 3; a++) {
         BVXI_TRY(off_take_number(f, "a coordinate", &out[a]));
-        if (!(out[a] - out[a] == 0.0))
+        if (!(out[a] - out[a] == 0.0) && !f->source->takes_any)
             return bvxi_fail(f->source->ctx, BVX_ERR_RANGE, "OFF: line %u: vertex %u has a coordinate that is not finite",
                              bvxi_source_line(f->source, f->p), vertex);
     }

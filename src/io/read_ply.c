@@ -70,7 +70,7 @@ bvx_status bvxi_ply_put(ply_file *f, const ply_property *property, const char *a
     bvx_mesh *const mesh = f->mesh;
     int32_t const role = property->role;
     float const narrow = (float)value;
-    if (!(value - value == 0.0)) return bvxi_ply_fail_finite(f, at, row, role);
+    if (!(value - value == 0.0) && !(f->source->takes_any && role <= PLY_ROLE_Z)) return bvxi_ply_fail_finite(f, at, row, role);
     if (role <= PLY_ROLE_Z) {
         size_t const i = (size_t)row * 3 + (size_t)role;
         if (mesh->position_type == BVX_F32) ((float *)mesh->positions)[i] = narrow;

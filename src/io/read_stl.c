@@ -36,7 +36,7 @@ static bvx_status stl_take_batch(bvxi_soup *soup, const uint8_t *p, uint64_t fir
         bad |= twice >= 0xff000000u;
     }
     soup->waiting = n;
-    if (!bad) return BVX_OK;
+    if (!bad || soup->source->takes_any) return BVX_OK;
     while (bits[i] << 1 < 0xff000000u) i++;
     return stl_fail_coordinate(soup->source, p + i / 9 * STL_TRIANGLE + 12 + i / 3 % 3 * 12, first + i / 9, i / 3 % 3);
 }
@@ -89,7 +89,7 @@ static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t
         size_t const used = bvxi_parse_float(at, s->end, &v);
         *p = at + used;
         if (used == 0 || (*p < s->end && !bvxi_is_space(**p))) return bvxi_fail_expected(s, at, "a coordinate");
-        if (!(v - v == 0.0f))
+        if (!(v - v == 0.0f) && !s->takes_any)
             return bvxi_fail(s->ctx, BVX_ERR_RANGE, "STL: line %u: a coordinate is not a finite 32-bit float",
                              bvxi_source_line(s, at));
         bits[a] = bvxi_soup_bits(v);

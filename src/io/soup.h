@@ -18,7 +18,7 @@ typedef struct bvxi_soup {
     uint64_t vertex_count, vertex_room, triangle_count, triangle_room, table_size;
     int32_t triangle_kind;   /* BVXI_RESULT or BVXI_SCRATCH */
     uint32_t waiting;        /* triangles in the batch */
-    uint32_t bits[BVXI_SOUP_BATCH * 3][3]; /* coordinates as 32-bit floats: finite, without -0 */
+    uint32_t bits[BVXI_SOUP_BATCH * 3][3]; /* coordinates as 32-bit floats without -0 */
     uint64_t hash[BVXI_SOUP_BATCH * 3];
 } bvxi_soup;
 

@@ -4,6 +4,8 @@
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
+#include <math.h>
+
 /* ---- The heap of the C library, watched: these two stand in for src/core/heap.c, so that no call is missed ---- */
 
 static uint64_t heap_calls;
@@ -255,6 +257,22 @@ static bvx_status read_stl(void *user, bvx_context *ctx) { (void)user; return re
 static bvx_status read_obj(void *user, bvx_context *ctx) { (void)user; return read_file(ctx, BVX_FORMAT_OBJ); }
 static bvx_status read_ply(void *user, bvx_context *ctx) { (void)user; return read_file(ctx, BVX_FORMAT_PLY); }
 
+/* A file of doubles, then the mesh with a vertex that is not finite. */
+static bvx_status read_finite(void *user, bvx_context *ctx)
+{
+    bvx_mesh mesh = {0};
+    uint64_t dropped = 0;
+    bvx_status status = bvx_read_mesh_finite(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size, BVX_FORMAT_OBJ, &dropped, &mesh);
+    (void)user;
+    if (status == BVX_OK) {
+        ((double *)mesh.positions)[0] = HUGE_VAL;
+        status = bvx_mesh_drop_nonfinite(ctx, &mesh, &dropped);
+        if (status == BVX_OK) assert_true(dropped > 0);
+        else bvx_mesh_free(ctx, &mesh);
+    }
+    return end_with_mesh(ctx, status, &mesh);
+}
+
 static bvx_status write_file(bvx_context *ctx, int32_t format)
 {
     bvx_buffer buffer = {0};
@@ -369,6 +387,7 @@ static const stage stages[] = {
     {"read STL", read_stl, 1, 1},
     {"read OBJ", read_obj, 1, 1},
     {"read PLY", read_ply, 1, 1},
+    {"read OBJ, finite", read_finite, 1, 1},
     {"write STL", write_stl, 0, 1},
     {"write OBJ", write_obj, 0, 1},
     {"write PLY", write_ply, 0, 1},

@@ -123,6 +123,25 @@ static void fuzz_check_written(bvx_context *ctx, const bvx_mesh *m)
     bvx_buffer_free(ctx, &b);
 }
 
+/* What bvx_read_mesh reads is read the same; what it refuses for coordinates may be read without them. */
+static void fuzz_check_finite(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format, const bvx_mesh *whole)
+{
+    bvx_mesh m = {0};
+    uint64_t dropped = 0, a, b;
+    bvx_status const status = bvx_read_mesh_finite(ctx, file, size, format, &dropped, &m);
+    if (whole != NULL) {
+        fuzz_require(status == BVX_OK && dropped == 0, "a finite mesh of which something was dropped");
+        fuzz_must(ctx, bvx_mesh_hash(ctx, whole, &a));
+        fuzz_must(ctx, bvx_mesh_hash(ctx, &m, &b));
+        fuzz_require(a == b, "a finite mesh that is read otherwise");
+    } else if (status == BVX_OK) {
+        fuzz_require(m.triangle_count != 0, "a mesh of nothing");
+        fuzz_must(ctx, bvx_mesh_drop_nonfinite(ctx, &m, &dropped));
+        fuzz_require(dropped == 0, "triangles that are dropped the second time");
+    }
+    bvx_mesh_free(ctx, &m);
+}
+
 static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int format)
 {
     static const bvx_mesh empty = {0};
@@ -138,7 +157,9 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
         if (!is_points) fuzz_check_writing(ctx, &m);
         if (!is_points) fuzz_check_more_writing(ctx, &m);
         if (!is_points) fuzz_check_written(ctx, &m);
+        if (!is_points) fuzz_check_finite(ctx, file, size, number, &m);
     } else {
+        if (!is_points && status == BVX_ERR_RANGE) fuzz_check_finite(ctx, file, size, number, NULL);
         fuzz_require(memcmp(&m, &empty, sizeof m) == 0, "a result behind an error");
     }
     bvx_mesh_free(ctx, &m);

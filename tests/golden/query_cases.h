@@ -259,6 +259,24 @@ static void mesh_files(golden *g, bvx_mesh *mesh)
     golden_end(g);
 }
 
+/* The mesh as a file of doubles with every seventh vertex at infinity. */
+static void finite_mesh(golden *g, const bvx_mesh *mesh)
+{
+    bvx_buffer file = {0};
+    bvx_mesh spoilt = {0};
+    uint64_t dropped = 0;
+    golden_begin(g, "finite");
+    if (golden_good(g, bvx_write_mesh(g->context, mesh, BVX_FORMAT_OBJ, &file)) &&
+        golden_good(g, bvx_read_mesh_finite(g->context, file.bytes, file.size, BVX_FORMAT_OBJ, &dropped, &spoilt))) {
+        golden_u64(g, "of_finite", dropped);
+        for (uint64_t v = 0; v < spoilt.vertex_count; v += 7) ((double *)spoilt.positions)[v * 3 + v % 3] = HUGE_VAL;
+        if (golden_good(g, bvx_mesh_drop_nonfinite(g->context, &spoilt, &dropped))) golden_u64(g, "dropped", dropped);
+        mesh_value(g, "remains", BVX_OK, &spoilt);
+    }
+    bvx_buffer_free(g->context, &file);
+    golden_end(g);
+}
+
 /* What 32-bit floats leave of a mesh of doubles in metres of a map projection. */
 static void written_value(golden *g, const bvx_mesh *mesh)
 {
@@ -357,6 +375,7 @@ static void file_cases(golden *g)
         }
         golden_end(g);
         mesh_files(g, &merged);
+        finite_mesh(g, &merged);
         mesh_files_with(g, &merged, &parts[0]);
         carried(g, &parts[0], &merged);
     }

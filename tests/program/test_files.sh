@@ -189,4 +189,31 @@ refuses 2 '.stl holds neither' repair knot.obj -o x.stl --resolution 20 --carry
 refuses 2 'for .raw files' lod "$root/fixtures/waves.nhdr" -o x.ply --level 100 --levels 8 --skip 3
 works 'a volume among them' convert "$root/fixtures/waves.nhdr" -o x.npy --level 100
 
+# ---- corners that are not finite ----
+
+# A tetrahedron with a triangle more, to a vertex that is NaN in one file and infinite in the other.
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv nan 0 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 1 2 5\n' >nan.obj
+printf 'OFF\n5 5 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\ninf 0 0\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n3 0 1 4\n' >inf.off
+sed '/nan/d; /f 1 2 5/d' nan.obj >whole.obj
+left_out='1 triangle with a corner that is not finite left out'
+for file in nan.obj inf.off; do
+    warns "$left_out" repair $file -o mended.ply --resolution 32
+    run repair whole.obj -o whole.ply --resolution 32
+    holds "$file: repaired as without it" cmp mended.ply whole.ply
+    warns "$left_out" lod $file -o lod.ply --triangles 4
+    warns "$left_out" voxelize $file -o solid.bvx --resolution 16
+    warns "$left_out" voxelize $file -o thin.bvx --resolution 16 --mode thin
+    warns "$left_out" voxelize $file -o field.npy --resolution 16 --mode field
+    run voxelize whole.obj -o whole.bvx --resolution 16
+    holds "$file: the voxels as without it" cmp solid.bvx whole.bvx
+    run repair $file -o mended.ply --json
+    grep -q '"nonfinite_triangles": 1,' out
+    result "$file: counted in the report" $?
+    for command in 'simplify -o x.ply' 'convert -o x.ply' 'info' 'faces -o x.ply'; do
+        refuses 1 'has a coordinate that is not finite' ${command%% *} $file ${command#"${command%% *}"}
+    done
+done
+printf 'v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >none.obj
+refuses 1 'each of the 1 triangles has a corner that is not finite' repair none.obj -o x.ply
+
 counts

@@ -86,6 +86,12 @@ static bvx_status mesh_check(const world *w) { return bvx_mesh_check(w->ctx, w->
 static bvx_status mesh_normals(const world *w) { return bvx_mesh_normals(w->ctx, w->mesh, 1, (float *)w->out, NULL); }
 static bvx_status mesh_distance(const world *w) { return bvx_mesh_distance(w->ctx, w->mesh, w->mesh, 10, 1, (bvx_distance_report *)w->out); }
 static bvx_status mesh_crossings(const world *w) { return bvx_mesh_crossings(w->ctx, w->mesh, w->second, (uint32_t *)w->out, 8); }
+static bvx_mesh undropped; /* finite, so it stays as it is */
+static bvx_status mesh_drop_nonfinite(const world *w)
+{
+    if (w->body != NULL) undropped = *w->body;
+    return bvx_mesh_drop_nonfinite(w->ctx, w->body != NULL ? &undropped : NULL, (uint64_t *)w->out);
+}
 static bvx_status closest_create(const world *w) { return bvx_closest_create(w->ctx, w->mesh, (bvx_closest **)w->out); }
 static bvx_mesh coloured; /* written into again and again */
 static bvx_status mesh_carry(const world *w) { return bvx_mesh_carry(w->ctx, w->body, w->second != NULL ? &coloured : NULL); }
@@ -376,7 +382,7 @@ static const call calls[] = {
     CALL(lattice_fit_points, POINTS | OPTIONS | RESERVED, PLAIN), CALL(lattice_make, 0, PLAIN), CALL(grid_create, LATTICE, TO_GRID),
     CALL(grid_count, GRID, PLAIN), CALL(grid_hash, GRID, PLAIN), CALL(mesh_hash, BODY, PLAIN), CALL(mesh_check, MESH, PLAIN),
     CALL(mesh_normals, MESH, PLAIN), CALL(mesh_distance, MESH, PLAIN), CALL(closest_create, MESH, TO_CLOSEST),
-    CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN),
+    CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN), CALL(mesh_drop_nonfinite, BODY, PLAIN),
     CALL(grid_cast, GRID, PLAIN), CALL(grid_sample, GRID, PLAIN), CALL(grid_compare, GRID | OTHER, PLAIN),
     CALL(voxelize_solid, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID), CALL(compare_fills, MESH | LATTICE | OPTIONS | RESERVED, PLAIN),
     CALL(find_seed, GRID, PLAIN), CALL(find_pockets, GRID | SECOND | SLOT, PLAIN), CALL(grid_fill, GRID, TO_GRID),

@@ -187,3 +187,34 @@ def test_the_report_of_a_format_is_that_of_its_file(ball, tmp_path):
     assert far.check_written("stl", origin=(600000, 5000000, 0)).fits
     with pytest.raises(bitvox.ArgumentError, match="origin is for meshes"):
         bitvox.dumps(bitvox.Grid.from_numpy(ball_grid(8)), "npy", origin=(0, 0, 0))
+
+
+def test_triangles_that_are_not_finite_are_left_out_where_asked(tmp_path):
+    text = b"v 0 0 0\nv nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 4 3\nf 1 2 3\nf 1 3 5\nf 1 5 4\nf 3 4 5\n"
+    (tmp_path / "nan.obj").write_bytes(text)
+    with pytest.raises(bitvox.RangeError, match="vertex 2 has a coordinate that is not finite"):
+        bitvox.read(tmp_path / "nan.obj")
+    with pytest.warns(UserWarning, match="1 triangles with a corner that is not finite left out"):
+        mesh = bitvox.read(tmp_path / "nan.obj", drop_nonfinite=True)
+    assert (mesh.n_vertices, mesh.n_faces) == (4, 4) and mesh.check().closed
+    with pytest.raises(bitvox.ArgumentError, match="for meshes"):
+        bitvox.loads(b"", "npy", drop_nonfinite=True)
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_drop_nonfinite_of_arrays(dtype, order):
+    v = np.array([[0, 0, 0], [np.nan, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, np.inf, 0]], dtype, order=order)
+    f = np.array([[0, 3, 2], [0, 1, 2], [0, 2, 4], [0, 4, 3], [5, 2, 3], [2, 3, 4]])
+    colours = np.arange(6, dtype=np.uint8)[:, None].repeat(4, 1)
+    uvs = np.arange(6, dtype=np.float32)[:, None].repeat(2, 1)
+    mesh = bitvox.Mesh(v, f, colours=colours, uvs=uvs)
+    with pytest.raises(bitvox.RangeError, match="not finite"):
+        bitvox.repair(mesh)
+    found = mesh.drop_nonfinite()
+    assert np.array_equal(found.vertices, v[[0, 2, 3, 4]]) and found.vertices.dtype == dtype
+    assert np.array_equal(found.faces, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    assert found.colours[:, 0].tolist() == [0, 2, 3, 4] and found.uvs[:, 0].tolist() == [0, 2, 3, 4]
+    assert found.check().closed and mesh.n_faces == 6 and np.isnan(mesh.vertices[1, 0])
+    with pytest.raises(bitvox.RangeError, match="vertex number 6"):
+        bitvox.Mesh(v, [[0, 1, 6]]).drop_nonfinite()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any, Iterable
 
 from ._errors import ArgumentError, MemoryLimitError, UnsupportedError
@@ -83,7 +84,7 @@ def _umask() -> int:
 
 
 def read(path: str | os.PathLike[str], *, format: str | None = None, window: WindowLike = None, close_gap: float | None = None,
-         threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
+         drop_nonfinite: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
     """Read a mesh or a grid.
 
     Args:
@@ -94,6 +95,8 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
         format: one of these endings, in place of the name's own.
         window: of a grid: only these voxels, counted from the file's own first one.
         close_gap: of .csv: refuse loops whose ends lie further apart than this [world]; None closes every loop.
+        drop_nonfinite: of a mesh: leave out triangles with a corner that is NaN or infinite, which are else an error; a warning
+            tells how many.
 
     Returns:
         A `Mesh`, a `Grid`, an `Octree` or `Sections`.
@@ -107,22 +110,22 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
     if kind in MESH_FORMATS + GRID_FORMATS + SECTION_FORMATS:
         beside = path + ".json" if kind in _BESIDE and os.path.isfile(path + ".json") else None
         return loads(read_bytes(path), kind, window=window, close_gap=close_gap, lattice=None if beside is None else read_bytes(beside),
-                     threads=threads, memory_limit=memory_limit, progress=progress)
-    if window is not None or close_gap is not None:
-        raise ArgumentError("window is for grids, close_gap for sections")
+                     drop_nonfinite=drop_nonfinite, threads=threads, memory_limit=memory_limit, progress=progress)
+    if window is not None or close_gap is not None or drop_nonfinite:
+        raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off")
     from .formats import read_other
 
     return read_other(path, kind)
 
 
 def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None,
-          close_gap: float | None = None, threads: int | None = None,
+          close_gap: float | None = None, drop_nonfinite: bool = False, threads: int | None = None,
           memory_limit: int | None = None, progress: Progress = None) -> Any:
     """Read a mesh, a grid, an octree or sections from the bytes of a file.
 
     Args:
         data: the bytes. format: an ending, such as "ply".
-        window, close_gap: as for `read`.
+        window, close_gap, drop_nonfinite: as for `read`.
         lattice: the bytes of the FILE.json beside .npy and .vox.
 
     Raises:
@@ -132,6 +135,8 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     held = ffi.from_buffer(data)
     if close_gap is not None and kind not in SECTION_FORMATS:
         raise ArgumentError("close_gap is for sections")
+    if drop_nonfinite and kind not in MESH_FORMATS:
+        raise ArgumentError("drop_nonfinite is for meshes")
     from ._octree import Octree
 
     with Run(threads, memory_limit, progress) as run:
@@ -139,7 +144,13 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
             if window is not None or lattice is not None:
                 raise ArgumentError("window and lattice are for grids")
             mesh = new_mesh()
-            run.check(lib.bvx_read_mesh(run.context, held, len(held), _number(kind), mesh))
+            if drop_nonfinite:
+                dropped = ffi.new("uint64_t *")
+                run.check(lib.bvx_read_mesh_finite(run.context, held, len(held), _number(kind), dropped, mesh))
+                if dropped[0]:
+                    warnings.warn(f"{dropped[0]} triangles with a corner that is not finite left out", stacklevel=3)
+            else:
+                run.check(lib.bvx_read_mesh(run.context, held, len(held), _number(kind), mesh))
             return Mesh._made(mesh)
         if kind in SECTION_FORMATS:
             if window is not None or lattice is not None:

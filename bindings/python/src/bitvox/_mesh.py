@@ -184,6 +184,37 @@ class Mesh:
         other._keys, other.frame, other.report = self._keys, self.frame, self.report
         return other
 
+    def drop_nonfinite(self) -> Mesh:
+        """A copy without vertices that are NaN or infinite and without the triangles that use them, which every other call
+        refuses; ``mesh.n_faces`` less that of the copy is how many went.
+
+        Raises:
+            RangeError: a vertex number beyond the vertices.
+        """
+        np = arrays.numpy("drop_nonfinite")
+        faces = np.asarray(self.faces)
+        arrays.refuse_negative(faces)
+        if faces.size and int(faces.max()) >= self.n_vertices:
+            raise RangeError(f"vertex number {faces.max()}, but there are {self.n_vertices} vertices")
+        other = Mesh(np.array(self._vertices, order="C"), np.array(faces, np.uint32, order="C"), frame=self.frame)
+        if self._colours is not None:
+            other._colours = np.array(self._colours)
+        if self._uvs is not None:
+            other._uvs = np.array(self._uvs)
+            other._uv_faces = None if self._uv_faces is None else np.array(self._uv_faces)
+        with Run() as run:
+            mesh, dropped = other._struct(run), ffi.new("uint64_t *")
+            run.check(lib.bvx_mesh_drop_nonfinite(run.context, mesh, dropped))
+            n, m = mesh.vertex_count, mesh.triangle_count
+        other._vertices, other._faces = other._vertices[:n], other._faces[:m]
+        if other._colours is not None:
+            other._colours = other._colours[:n]
+        if other._uv_faces is not None:
+            other._uv_faces = other._uv_faces[:m]
+        elif other._uvs is not None:
+            other._uvs = other._uvs[:n]
+        return other
+
     # ---- for the library ----
 
     def _view(self, run: Run) -> Any:
