@@ -149,6 +149,7 @@ static int check_line(cli_run *run)
     const cli_options *const o = &run->options;
     const char *const name = run->command->name;
     int const least = run->command->least_inputs;
+    int const writes = o->output != NULL && strcmp(o->output, "-") == 0;
     int standard = 0;
     if (o->inputs == 0) return cli_usage(run, "%s lacks its input file; see 'bitvox %s --help'", name, name);
     if (o->inputs < least)
@@ -156,12 +157,11 @@ static int check_line(cli_run *run)
     for (int i = 0; i < o->inputs; i++) standard += strcmp(o->input[i], "-") == 0;
     if (standard != 0 && o->format == 0)
         return cli_usage(run, "standard input has no name that tells the format; say it with --format");
-    if (standard == 0 && o->format != 0)
-        return cli_usage(run, "--format is for standard input, '-'; names of files tell theirs");
+    if (standard == 0 && !writes && o->format != 0)
+        return cli_usage(run, "--format is for standard input and output, '-'; names of files tell theirs");
     if (o->output == NULL && run->command->bit != CLI_COMPONENTS && find_argument("-o", 2, run->command->bit) >= 0)
         return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
-    if (o->output != NULL && strcmp(o->output, "-") == 0)
-        return cli_usage(run, "standard output has no name that tells the format; give a file");
+    if (writes && cli_take_standard_output(run) != CLI_DONE) return CLI_USAGE;
     if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE) return CLI_USAGE;
     if (o->quiet && o->progress == CLI_BAR_DRAW) return cli_usage(run, "--quiet and --progress=bar exclude each other");
     return CLI_DONE;

@@ -97,7 +97,7 @@ typedef struct cli_options {
     const char *output;
     int32_t help, json, quiet;
     int32_t progress;           /* CLI_BAR_... */
-    int32_t format;             /* of standard input, BVX_FORMAT_... */
+    int32_t format;             /* of standard input and output, BVX_FORMAT_... */
     int32_t threads;
     uint64_t memory_limit;
     cli_list resolution, levels, triangles, window, size;
@@ -289,7 +289,7 @@ typedef struct cli_report {
 
 /* The report as one line; status is the exit status. brief leaves out what only the main thread may read. */
 void cli_report_text(const cli_run *run, int status, int brief, cli_text *text);
-/* Write it to standard output; 0 when that failed. */
+/* Write it to standard output, or with -o - to standard error; 0 when that failed. */
 int cli_report_print(cli_run *run, int status);
 /* So many bytes are held beside what the context has now. */
 void cli_note_peak(cli_run *run, uint64_t bytes);
@@ -305,7 +305,7 @@ int cli_fail_interrupted(cli_run *run);
 /* What an interrupt left, as the message says it. */
 void cli_interrupt_text(const cli_run *run, char *text, size_t room);
 void cli_warn(cli_run *run, const char *format, ...);
-/* Print to standard output unless --quiet, --json or an output takes it. */
+/* Print to standard output unless --quiet, --json or an output takes it; to standard error with -o -. */
 void cli_say(cli_run *run, const char *format, ...);
 
 /* ---- files.c: whole files in ---- */
@@ -614,6 +614,12 @@ void cli_drop_outputs(cli_run *run);
 /* The part of it that an interrupt does, with the lock held. */
 void cli_remove_temporaries(cli_run *run);
 
+/* ---- standard_output.c: -o - ---- */
+
+/* run->options.output becomes a name that stands for standard output; refuses a terminal. */
+int cli_take_standard_output(cli_run *run);
+int cli_is_standard_output(const cli_run *run, const char *path);
+
 /* ---- terminal.c: time and progress ---- */
 
 double cli_seconds(void); /* of a clock that only goes forward */
@@ -674,6 +680,7 @@ struct cli_run {
     cli_output output[CLI_MAX_OUTPUTS];
     int outputs;
     int standard_taken;     /* standard output belongs to an output */
+    char standard_name[32]; /* of -o -, with an ending; "" without */
     uint64_t removed_bytes; /* of files that the system takes apart at the exit */
     double start;
     cli_progress_state progress;

@@ -128,9 +128,9 @@ void cli_warn(cli_run *run, const char *format, ...)
 void cli_say(cli_run *run, const char *format, ...)
 {
     va_list args;
-    if (run->options.quiet || run->options.json || run->standard_taken) return;
+    if (run->options.quiet || run->options.json || (run->standard_taken && run->standard_name[0] == 0)) return;
     cli_clear_bar(run);
     va_start(args, format);
-    vprintf(format, args);
+    vfprintf(run->standard_taken ? stderr : stdout, format, args);
     va_end(args);
 }

@@ -63,8 +63,8 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 static const char *const thin_names[] = {"shell", "keep", "drop", NULL};
 /* By BVX_SAMPLE_... */
 static const char *const sample_type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", NULL};
-/* By BVX_FORMAT_...; those that are only written have no name here. */
-static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "", "binvox", "vox", "nrrd", "vti", "bvx", "", "raw", "xyz", NULL};
+/* By BVX_FORMAT_...; glb and vtu are only written, png has no name. */
+static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "glb", "binvox", "vox", "nrrd", "vti", "bvx", "vtu", "raw", "xyz", NULL};
 
 /* By BVX_OPEN_..., of lod and then of simplify. */
 static const char *const open_names[] = {"shell", "keep", "cut", NULL};
@@ -74,7 +74,7 @@ static const char *const contour_format_names[] = {"csl", "csv", NULL};
 
 static const cli_argument arguments[] = {
     FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH | CLI_COMPONENTS | CLI_SIMPLIFY, output,
-              "where the result goes; the ending tells the format"),
+              "where the result goes; the ending tells the format; - is standard\noutput, with --format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis: the mesh's surface is measured with so\n"
          "many, or a solid is made of them for --levels [collapse: as the finest\n"
@@ -268,7 +268,7 @@ static const cli_argument arguments[] = {
     FLAG("--compare", CLI_RENDER, difference, "two inputs in one picture: what the second adds green, what it lacks red"),
     WHOLE("--turntable", "N", CLI_RENDER, turntable, 2, 360, "N pictures once round the axis of --up, to OUT_%d.png"),
     CHOICE("--format", "NAME", CLI_SECTIONS, format, contour_format_names, BVX_FORMAT_CSL, "format of standard input, with - as input: csl or csv"),
-    CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, format_names, BVX_FORMAT_STL, "format of standard input, with - as input: stl, obj, ply ..."),
+    CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, format_names, BVX_FORMAT_STL, "format of standard input and output, with - as input or after -o:\nstl, obj, ply ... [output: ply, bvx, nrrd for distances, csv, png]"),
     WHOLE("--threads", "N", CLI_ALL, threads, 0, 1024, "workers, 0: all there are [0]"),
     BYTES("--memory-limit", "BYTES", CLI_ALL, memory_limit,
           "most memory for data; K, M and G are understood [what there is;\nfiles: half of it]"),

@@ -88,7 +88,6 @@ static char *follow_links(const char *path)
 static int look_at_output(cli_output *o, unsigned *mode)
 {
     struct stat s, standard, behind;
-    *mode = 0;
     if (stat(o->path, &s) != 0) {
         if (errno != ENOENT) return 0;
     } else {
@@ -148,7 +147,7 @@ static int are_one_file(const char *a, const char *b)
 
 static int look_at_output(cli_output *o, unsigned *mode)
 {
-    *mode = 0;
+    (void)mode;
     o->target = copy_text(o->path);
     return o->target != NULL;
 }
@@ -224,14 +223,17 @@ int cli_open_output(cli_run *run, const char *path)
     o->path = copy_text(path);
     run->outputs++;
     errno = ENOMEM;
-    good = o->path != NULL && look_at_output(o, &mode);
+    if (cli_is_standard_output(run, path)) o->kind = CLI_OUT_STANDARD;
+    good = o->path != NULL && (o->kind == CLI_OUT_STANDARD || look_at_output(o, &mode));
     same = good ? same_file(run, o) : NULL;
     good = good && same == NULL && (o->kind != CLI_OUT_NEW || make_temporary(o, mode));
     error = errno;
     cli_unlock();
     if (same != NULL) return cli_fail(run, "%s and %s are one file", same, path);
     if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
-    if (o->kind != CLI_OUT_STANDARD) return CLI_DONE;
+    if (run->standard_name[0] != 0 && run->outputs > 1)
+        return cli_usage(run, "-o - is for one output; %s would be another", strcmp(path, run->standard_name) != 0 ? path : run->output[0].path);
+    if (o->kind != CLI_OUT_STANDARD || cli_is_standard_output(run, path)) return CLI_DONE;
     if (run->options.json) return cli_usage(run, "%s is standard output, where --json writes its report", path);
     run->standard_taken = 1;
     return CLI_DONE;

@@ -140,12 +140,13 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
 
 int cli_report_print(cli_run *run, int status)
 {
+    FILE *const to = run->standard_taken ? stderr : stdout;
     cli_text text = {NULL, 0, 0, 0};
     int good;
     cli_report_text(run, status, 0, &text);
     cli_watch_report();
-    good = !text.failed && fwrite(text.bytes, 1, text.size, stdout) == text.size;
-    good &= fflush(stdout) == 0 && !ferror(stdout);
+    good = !text.failed && fwrite(text.bytes, 1, text.size, to) == text.size;
+    good &= fflush(to) == 0 && !ferror(to);
     cli_watch_told();
     cli_text_free(&text);
     return good;

@@ -183,7 +183,7 @@ static void end_program(void)
     if (run->options.json && !watch.reported) {
         cli_text text = {NULL, 0, 0, 0};
         cli_report_text(run, status, 1, &text);
-        write_soon(STDOUT_FILENO, text.bytes, text.size);
+        write_soon(run->standard_taken ? STDERR_FILENO : STDOUT_FILENO, text.bytes, text.size);
     }
     leave_heavy_things();
     _exit(status);

@@ -185,7 +185,6 @@ refuses 2 'did you mean --progress' info "$knot" --progres
 refuses 2 'did you mean --memory-limit' info "$knot" --memory 1G
 refuses 2 'did you mean --from' render "$knot" -o x.png --fron 1,2,3
 refuses 2 'did you mean --size' render "$knot" -o x.png -size 9x9
-refuses 2 'standard output' render "$knot" -o -
 
 # ---- bad input: status 1 ----
 

@@ -1,0 +1,121 @@
+#!/bin/sh
+# test_outputs.sh [PROGRAM] - where the bitvox program writes: standard output.
+# PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is
+# "N passed, N failed[, N skipped]". Runs in the repository's root, works in a folder of its own.
+set -u
+. tests/tools/program_checks.sh
+
+: >before
+: >after
+refuses() { # STATUS, WORDS, ARGUMENTS...: one line with these words, nothing on standard output and nothing written
+    want=$1 words=$2
+    shift 2
+    name="refused ($want): $(printf '%s ' "$@" | cut -c 1-90)"
+    ls -A >before
+    run "$@"
+    ls -A >after
+    if [ $status != "$want" ]; then not_ok "$name" "status $status"
+    elif [ "$(wc -l <err)" -ne 1 ]; then not_ok "$name" "$(wc -l <err) lines on standard error"
+    elif ! grep -q -F -e "$words" err; then not_ok "$name" "no '$words' in the message"
+    elif [ -s out ]; then not_ok "$name" "something on standard output"
+    elif ! cmp -s before after; then not_ok "$name" "the folder changed: $(diff before after | tr '\n' ' ')"
+    else ok "$name"; fi
+}
+
+# ---- -o -: standard output ----
+
+contours=$root/fixtures/contours.csv
+[ -f "$contours" ] || { run slice "$knot" -o contours.csv --spacing 0.2 && contours=contours.csv; }
+run voxelize "$knot" -o knot.bvx --resolution 40
+run voxelize "$knot" -o shell.bvx --resolution 40 --mode conservative
+same() { # FILE, ARGUMENTS with OUT for its name: what goes to standard output is what goes to the file
+    file=$1
+    shift
+    for word; do
+        shift
+        [ "$word" = OUT ] && word=$file
+        set -- "$@" "$word"
+    done
+    "$program" "$@" >/dev/null 2>&1 </dev/null || { not_ok "the file: $*" ''; return; }
+    for word; do
+        shift
+        [ "$word" = "$file" ] && word=-
+        set -- "$@" "$word"
+    done
+    run "$@" --quiet
+    if [ $status = 0 ] && [ ! -s err ] && cmp -s out "$file"; then ok "to standard output: $*"; else not_ok "to standard output: $*" "status $status"; fi
+}
+# The format that is meant where none is said.
+same x.ply repair "$knot" -o OUT --resolution 32
+same x.ply lod "$knot" -o OUT --triangles 2000
+same x.ply simplify "$knot" -o OUT --triangles 2000
+same x.ply faces "$knot" -o OUT --resolution 32
+same x.ply convert "$knot" -o OUT
+same x.ply boolean union "$knot" "$knot" -o OUT --resolution 32
+same x.ply sections "$contours" -o OUT
+same x.bvx voxelize "$knot" -o OUT --resolution 32
+same x.bvx refine "$knot" -o OUT --halvings 2
+same x.bvx convert knot.bvx -o OUT
+same x.bvx boolean xor knot.bvx knot.bvx -o OUT
+same x.bvx fill shell.bvx -o OUT
+same x.bvx components knot.bvx -o OUT --keep-largest 1
+same x.bvx morph dilate knot.bvx -o OUT
+same x.nrrd morph distance knot.bvx -o OUT
+same x.nrrd voxelize "$knot" -o OUT --mode field --resolution 24
+same x.csv slice "$knot" -o OUT --spacing 0.3
+same x.png render "$knot" -o OUT --size 64x48
+rm -f x.*
+# And the one of --format.
+for format in stl obj off glb; do
+    run convert "$knot" -o "right.$format"
+    run convert "$knot" -o - --format $format --quiet
+    holds "a mesh as $format" cmp out right.$format
+done
+for format in nrrd vti binvox; do
+    run convert knot.bvx -o "right.$format"
+    run convert knot.bvx -o - --format $format --quiet
+    holds "a grid as $format" cmp out right.$format
+done
+run lod "$knot" -o right.glb --count 2
+run lod "$knot" -o - --count 2 --format glb --quiet
+holds 'several levels in one .glb' cmp out right.glb
+
+# Both ends of a pipe: --format is that of both where both hold the same.
+"$program" convert - -o - --format off <right.off 2>err >back.off
+holds 'from a pipe into a pipe' cmp back.off right.off
+"$program" voxelize - -o - --format off --resolution 40 <right.off 2>err >back.bvx
+run voxelize right.off -o right.bvx --resolution 40
+holds 'from a mesh to a grid' cmp back.bvx right.bvx
+
+# What is said goes to standard error.
+run convert "$knot" -o -
+holds 'the text is on standard error' grep -q 'triangles   38400' err
+run repair "$knot" -o - --resolution 64 --json
+holds 'the report is on standard error' sh -c "grep -q '^{\"status\": \"done\"' err && test \$(head -c 3 out) = ply"
+run repair none.ply -o - --json
+holds 'and so it is after a failure' sh -c "grep -q '^{\"status\": \"failed\"' err && ! test -s out"
+
+refuses 2 'only .glb holds several' lod "$knot" -o -
+refuses 2 'one output; standard output.npy.json would be another' voxelize "$knot" -o - --format npy
+refuses 2 'needs %d in the name' voxelize "$root/fixtures/labels.npy" -o - --all-labels --format ply
+refuses 2 'no grid format that is written' voxelize "$knot" -o - --format ply
+refuses 2 'no picture format' render "$knot" -o - --format ply
+refuses 2 '--format is for standard input and output' convert "$knot" -o x.ply --format ply
+refuses 1 'none.ply' repair none.ply -o -
+if has script && script -qc true /dev/null >/dev/null 2>&1; then
+    script -qc "'$program' convert '$knot' -o -" typed >/dev/null 2>&1
+    holds 'a terminal is refused' grep -q 'standard output is a terminal' typed
+else
+    skip 'a terminal is refused' 'script is missing'
+fi
+if [ -c /dev/full ]; then
+    "$program" convert "$knot" -o - >/dev/full 2>err
+    holds 'a full standard output is a failure' test $? = 1
+fi
+# A file of the name that messages use is none of the program's.
+: >'standard output.ply'
+run convert "$knot" -o - --quiet
+holds 'a file of such a name stays' sh -c "test -s out && ! test -s 'standard output.ply'"
+rm -f 'standard output.ply'
+
+counts
