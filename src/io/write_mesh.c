@@ -171,9 +171,10 @@ static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_m
     if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
     BVXI_TRY(bvxi_renew_buffer(ctx, function, file));
     BVXI_TRY(check_mesh_format(ctx, function, format, o->normals));
+    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
     BVXI_TRY(check_written_mesh(ctx, function, mesh));
     if (o->rounding == BVX_ROUNDING_REFUSE) BVXI_TRY(check_rounding(ctx, function, mesh, format));
-    BVXI_TRY(write_format(ctx, mesh, format, o->normals, &made));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.4, 1.0, write_format(ctx, mesh, format, o->normals, &made)));
     *file = made;
     return BVX_OK;
 }
@@ -385,7 +386,7 @@ static bvx_status run_write_levels(bvx_context *context, const bvx_mesh *levels,
 
     BVXI_TRY(check_levels(context, function, levels, level_count));
     BVXI_TRY(check_level_rounding(context, function, levels, level_count, format));
-    BVXI_TRY(bvxi_write_glb(context, levels, level_count, &made));
+    BVXI_TRY(BVXI_SHARE(context, 0.4, 1.0, bvxi_write_glb(context, levels, level_count, &made)));
     *file = made;
     return BVX_OK;
 }

@@ -252,7 +252,7 @@ static bvx_status simplify_as_it_is(levels_job *job, const bvx_mesh_view *welded
 {
     job->report.source = BVX_LEVELS_MESH;
     job->report.triangles = welded->triangle_count;
-    return bvxi_levels_make(job->ctx, &job->chain, welded, 0.2, 1.0);
+    return bvxi_levels_make(job->ctx, &job->chain, welded);
 }
 
 static bvx_status repair_surface(levels_job *job, bvx_mesh *surface)
@@ -289,7 +289,7 @@ static bvx_status simplify_measured(levels_job *job)
 {
     bvx_mesh surface = {0};
     bvx_mesh_view view;
-    bvx_status status = repair_surface(job, &surface);
+    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.25, repair_surface(job, &surface));
 
     if (status == BVX_OK) status = drop_crumbs(job, &surface);
     if (status == BVX_OK) {
@@ -298,7 +298,7 @@ static bvx_status simplify_measured(levels_job *job)
         job->report.source = BVX_LEVELS_MEASURED;
         job->report.triangles = view.triangle_count;
         job->chain.collapse.position_type = surface.position_type;
-        status = bvxi_levels_make(job->ctx, &job->chain, &view, 0.5, 1.0);
+        status = BVXI_SHARE(job->ctx, 0.25, 1.0, bvxi_levels_make(job->ctx, &job->chain, &view));
     }
     bvx_mesh_free(job->ctx, &surface);
     return status;
@@ -374,14 +374,14 @@ static bvx_status try_as_it_is(levels_job *job, const bvx_mesh_view *welded)
     uint64_t crossings = 0;
 
     job->chain.collapse.lenient = 1;
-    BVXI_TRY(simplify_as_it_is(job, welded));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.85, simplify_as_it_is(job, welded)));
     job->chain.collapse.lenient = 0;
 
     for (uint64_t i = 0; i < job->chain.count && crossings == 0; i++) {
         bvx_mesh_view level;
 
         bvx_mesh_view_of(&job->chain.levels[i], &level);
-        BVXI_TRY(bvx_mesh_crossings(job->ctx, &level, &crossings, NULL, 0));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.85, 1.0, bvx_mesh_crossings(job->ctx, &level, &crossings, NULL, 0)));
     }
     if (crossings == 0)
         job->report.reason = BVX_MEASURED_NOT;
@@ -398,21 +398,25 @@ static int is_defect(int32_t reason)
 static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
 {
     bvx_certificate *const c = &job->report.before;
+    bvx_context *const ctx = job->ctx;
     int const open = job->options->open != BVX_OPEN_SHELL;
+    double chosen;
 
-    BVXI_TRY(bvx_mesh_check(job->ctx, welded, 0, c));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.05, bvx_mesh_check(ctx, welded, 0, c)));
     if (c->triangles == c->degenerate)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
                          levels_name, job->mesh->triangle_count);
 
-    BVXI_TRY(choose_source(job, welded));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.05, 0.25, choose_source(job, welded)));
+    chosen = job->report.reason == BVX_MEASURED_NOT || job->report.reason == BVX_MEASURED_CROSSINGS ? 0.25 : 0.05;
     if (open && (is_defect(job->report.reason) || is_defect(reason_of(c))))
         BVXI_TRY(keep_sheets(job, welded, corner));
     if (job->report.reason == BVX_MEASURED_CROSSINGS)
-        BVXI_TRY(try_as_it_is(job, welded));
+        BVXI_TRY(BVXI_SHARE(ctx, chosen, 0.6, try_as_it_is(job, welded)));
     else if (job->report.reason == BVX_MEASURED_NOT)
-        return simplify_as_it_is(job, welded);
-    return job->report.reason == BVX_MEASURED_NOT ? BVX_OK : simplify_measured(job);
+        return BVXI_SHARE(ctx, chosen, 1.0, simplify_as_it_is(job, welded));
+    if (job->report.reason == BVX_MEASURED_NOT) return BVX_OK;
+    return BVXI_SHARE(ctx, job->report.reason == BVX_MEASURED_CROSSINGS ? 0.6 : chosen, 1.0, simplify_measured(job));
 }
 
 static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)

@@ -74,17 +74,28 @@ static bvx_status extract_block(octree_mesh_job *job, const int32_t b[3])
 }
 
 /* Count the blocks (part NULL), or extract them. */
+static bvx_status visit_block(octree_mesh_job *job, const int32_t b[3])
+{
+    int holds = 0;
+
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, job->part == NULL ? 1.0 : 0.1, block_may_hold(job, b, &holds)));
+    if (!holds) return BVX_OK;
+    if (job->part != NULL) return BVXI_SHARE(job->ctx, 0.1, 1.0, extract_block(job, b));
+    job->room++;
+    return BVX_OK;
+}
+
 static bvx_status visit_blocks(octree_mesh_job *job)
 {
+    double const all = (double)job->blocks[0] * job->blocks[1] * job->blocks[2];
+    double n = 0;
+
     for (int32_t z = 0; z < job->blocks[2]; z++)
         for (int32_t y = 0; y < job->blocks[1]; y++)
             for (int32_t x = 0; x < job->blocks[0]; x++) {
                 int32_t const b[3] = {x, y, z};
-                int holds = 0;
-                BVXI_TRY(block_may_hold(job, b, &holds));
-                if (!holds) continue;
-                if (job->part == NULL) job->room++;
-                else BVXI_TRY(extract_block(job, b));
+                BVXI_TRY(BVXI_SHARE(job->ctx, n / all, (n + 1) / all, visit_block(job, b)));
+                n++;
             }
     return BVX_OK;
 }
@@ -115,14 +126,14 @@ static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 {
     bvx_status status;
-    BVXI_TRY(visit_blocks(job));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, visit_blocks(job)));
     if (job->room > 0) {
         BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->room * sizeof *job->part, "the blocks' surfaces", &job->part));
-        status = visit_blocks(job);
+        status = BVXI_SHARE(job->ctx, 0.05, 0.4, visit_blocks(job));
     } else {
         status = BVX_OK;
     }
-    if (status == BVX_OK) status = merge_blocks(job, mesh);
+    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.4, 1.0, merge_blocks(job, mesh));
     for (uint64_t i = job->part_count; i-- > 0;) bvx_mesh_free(job->ctx, &job->part[i]);
     bvxi_free(job->ctx, job->part, job->room * sizeof *job->part);
     return status;

@@ -86,7 +86,8 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
     uint64_t const target = job->options->target_triangles;
     int32_t low = 0, high = job->options->resolution;
     uint64_t high_count, low_count = 0;
-    BVXI_TRY(count_at(job, high, &high_count));
+    double rest = 0.5; /* of the progress, for tries whose number is not known */
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, count_at(job, high, &high_count)));
     if (high_count <= target) {
         *resolution = high;
         return BVX_OK;
@@ -94,7 +95,8 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
     for (uint64_t tries = 0; high - low > 1; tries++) {
         int32_t const guess = next_guess(low, high, high_count, target, tries);
         uint64_t count;
-        BVXI_TRY(count_at(job, guess, &count));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 1.0 - rest, 1.0 - rest * 0.8, count_at(job, guess, &count)));
+        rest *= 0.8;
         if (count <= target) {
             low = guess;
             low_count = count;
@@ -112,26 +114,54 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
 
 /* ---- */
 
+enum { REPAIR_TAKE, REPAIR_NEEDS, REPAIR_SEARCH, REPAIR_INSIDE, REPAIR_SURFACE, REPAIR_FLATTEN, REPAIR_MEASURE, REPAIR_STEPS };
+
+/* Where each step ends in the call, by the time that each takes at 150 to 300 voxels. */
+static void plan_repair(const bvx_repair_options *o, double end[REPAIR_STEPS])
+{
+    double weight[REPAIR_STEPS] = {[REPAIR_TAKE] = 8, [REPAIR_INSIDE] = 25, [REPAIR_SURFACE] = 60, [REPAIR_FLATTEN] = 3};
+    double all = 0.0, sum = 0.0;
+
+    if (o->report != NULL || o->if_needed) weight[REPAIR_NEEDS] = 12;
+    if (o->target_triangles != 0) weight[REPAIR_SEARCH] = 60;
+    if (o->report != NULL) weight[REPAIR_MEASURE] = o->measure ? 200 : 10;
+    for (int i = 0; i < REPAIR_STEPS; i++) all += weight[i];
+    for (int i = 0; i < REPAIR_STEPS; i++) end[i] = (sum += weight[i]) / all;
+}
+
+static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
+{
+    BVXI_TRY(bvxi_repair_lattice(job, resolution));
+    return bvxi_repair_inside(job);
+}
+
 static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
 {
+    bvx_context *const ctx = job->ctx;
     int32_t resolution = job->options->resolution;
     uint64_t voxels;
-    BVXI_TRY(bvxi_repair_take(job));
-    BVXI_TRY(bvxi_repair_needs(job));
-    if (job->options->if_needed && job->report.needs == BVX_NEEDS_NOTHING) return bvxi_repair_copy(job, repaired);
-    if (job->options->target_triangles != 0) BVXI_TRY(search_repair(job, &resolution));
-    BVXI_TRY(bvxi_repair_lattice(job, resolution));
-    BVXI_TRY(bvxi_repair_inside(job));
+    double end[REPAIR_STEPS];
+
+    plan_repair(job->options, end);
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, end[REPAIR_TAKE], bvxi_repair_take(job)));
+    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_TAKE], end[REPAIR_NEEDS], bvxi_repair_needs(job)));
+    if (job->options->if_needed && job->report.needs == BVX_NEEDS_NOTHING)
+        return BVXI_SHARE(ctx, end[REPAIR_NEEDS], 1.0, bvxi_repair_copy(job, repaired));
+
+    if (job->options->target_triangles != 0)
+        BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_NEEDS], end[REPAIR_SEARCH], search_repair(job, &resolution)));
+    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SEARCH], end[REPAIR_INSIDE], fill_at(job, resolution)));
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
     if (voxels == 0)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: nothing is left at %d x %d x %d voxels: %s", bvxi_repair_name,
                          (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1], (int64_t)job->lattice.dims[2],
                          job->report.parts_dropped != 0 ? "every part is below least_part"
                                                         : "the mesh encloses no centre; take a higher resolution, or allow shells");
-    BVXI_TRY(bvxi_repair_surface(job, repaired));
-    BVXI_TRY(bvxi_repair_flatten(job, repaired));
+
+    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_INSIDE], end[REPAIR_SURFACE], bvxi_repair_surface(job, repaired)));
+    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SURFACE], end[REPAIR_FLATTEN], bvxi_repair_flatten(job, repaired)));
     if (job->options->report == NULL) return BVX_OK;
-    return bvxi_repair_measure(job, repaired);
+    return BVXI_SHARE(ctx, end[REPAIR_FLATTEN], 1.0, bvxi_repair_measure(job, repaired));
 }
 
 bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired)

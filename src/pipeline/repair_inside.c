@@ -38,12 +38,12 @@ static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
 bvx_status bvxi_repair_inside(bvxi_repair_job *job)
 {
     BVXI_TRY(open_grids(job));
-    BVXI_TRY(fill_solid(job, &job->mesh));
-    BVXI_TRY(bvxi_repair_part(job));
-    if (job->sheets.triangle_count != 0) BVXI_TRY(fill_solid(job, &job->body));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.35, fill_solid(job, &job->mesh)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.35, 0.4, bvxi_repair_part(job)));
+    if (job->sheets.triangle_count != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.5, fill_solid(job, &job->body)));
     BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->inside));
     memcpy(job->inside.words, job->solid.words, (size_t)job->grid_bytes);
-    if (job->sheets.triangle_count != 0) BVXI_TRY(bvxi_repair_lay_shells(job));
-    BVXI_TRY(bvxi_repair_thicken(job));
-    return bvxi_repair_clean(job);
+    if (job->sheets.triangle_count != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.55, bvxi_repair_lay_shells(job)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.55, 0.6, bvxi_repair_thicken(job)));
+    return BVXI_SHARE(job->ctx, 0.6, 1.0, bvxi_repair_clean(job));
 }

@@ -113,13 +113,13 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
     r->needs = need_of_certificate(&r->before);
     if (r->needs != BVX_NEEDS_NOTHING || (job->options->report == NULL && !job->options->if_needed)) return BVX_OK;
 
-    if (r->before.components > 1) BVXI_TRY(judge_pieces(job, &right));
-    if (r->before.components > 1 && right) BVXI_TRY(judge_nesting(job, &right));
+    if (r->before.components > 1) BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, judge_pieces(job, &right)));
+    if (r->before.components > 1 && right) BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.3, judge_nesting(job, &right)));
     if (!right) {
         r->needs = BVX_NEEDS_OUTSIDE_IN;
         return BVX_OK;
     }
-    BVXI_TRY(bvx_mesh_crossings(job->ctx, job->given, &r->crossings, NULL, 0));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.3, 1.0, bvx_mesh_crossings(job->ctx, job->given, &r->crossings, NULL, 0)));
     if (r->crossings != 0) r->needs = BVX_NEEDS_UNCROSSING;
     return BVX_OK;
 }
@@ -165,7 +165,7 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy)
     bvx_mesh_view view;
     bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative);
 
-    if (status == BVX_OK) status = bvxi_weld(job->ctx, job->given, representative, &different);
+    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_weld(job->ctx, job->given, representative, &different));
     if (status == BVX_OK) status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the copy's vertices", &number);
     if (status == BVX_OK) status = write_copy(job, representative, number, copy);
     bvxi_free(job->ctx, number, bytes);
@@ -176,7 +176,8 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy)
     job->report.sharp = 0;
     if (job->options->report == NULL) return BVX_OK;
     bvx_mesh_view_of(copy, &view);
-    BVXI_TRY(bvx_mesh_check(job->ctx, &view, 0, &job->report.after));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, job->options->measure ? 0.3 : 1.0, bvx_mesh_check(job->ctx, &view, 0, &job->report.after)));
     if (!job->options->measure) return BVX_OK;
-    return bvx_mesh_distance(job->ctx, job->given, &view, job->options->measure_samples, 1, &job->report.distance);
+    return BVXI_SHARE(job->ctx, 0.3, 1.0,
+                      bvx_mesh_distance(job->ctx, job->given, &view, job->options->measure_samples, 1, &job->report.distance));
 }

@@ -53,7 +53,8 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
         status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the overlaps", &grid[i].words);
         grid[i].word_capacity = job->grid_bytes / 8;
         o.fill = i == 0 ? BVX_FILL_VOTE : BVX_FILL_WINDING;
-        if (status == BVX_OK) status = bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i]);
+        if (status == BVX_OK)
+            status = BVXI_SHARE(job->ctx, 0.5 * i, 0.5 * (i + 1), bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i]));
     }
     for (uint64_t i = 0; i < job->grid_bytes / 8 && status == BVX_OK; i++)
         job->report.overlaps += bvxi_popcount(grid[1].words[i] & ~grid[0].words[i]);
@@ -89,7 +90,7 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
     uint8_t *far = NULL;
     bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count, "the vertices over holes", &far);
     if (status == BVX_OK) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->triangle_count * 12, "the triangles off holes", &corner);
-    if (status == BVX_OK) status = find_far_vertices(job, result, far);
+    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.45, 0.6, find_far_vertices(job, result, far));
     if (status == BVX_OK) {
         near.triangle_count = 0;
         for (uint64_t t = 0; t < result->triangle_count; t++) {
@@ -101,7 +102,8 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
         near.index_type = BVX_U32;
         near.index_stride = 0;
         if (near.triangle_count != 0) {
-            status = bvx_mesh_distance(job->ctx, &near, &job->mesh, job->options->measure_samples, 1, &report);
+            status = BVXI_SHARE(job->ctx, 0.6, 1.0,
+                                bvx_mesh_distance(job->ctx, &near, &job->mesh, job->options->measure_samples, 1, &report));
             if (status == BVX_OK) {
                 job->report.mean_off_caps = report.mean_a_to_b;
                 job->report.max_off_caps = report.max_a_to_b;
@@ -124,7 +126,8 @@ static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, do
     result->positions = world;
     result->position_type = BVX_F64;
     result->position_stride = 0;
-    return bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1, &job->report.distance);
+    return BVXI_SHARE(job->ctx, 0.0, 0.45,
+                      bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1, &job->report.distance));
 }
 
 static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repaired, bvx_mesh_view *result)
@@ -149,12 +152,17 @@ static int has_other_size(const bvx_repair_report *r)
 
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 {
+    double const check = job->options->measure ? 0.05 : 0.8, holes = job->options->measure ? 0.07 : 0.9;
+    double const overlaps = job->options->measure ? 0.1 : 1.0;
     bvx_mesh_view result;
+
     bvx_mesh_view_of(repaired, &result);
     job->report.lattice = job->lattice;
-    BVXI_TRY(bvx_mesh_check(job->ctx, &result, 0, &job->report.after));
-    if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges != 0) BVXI_TRY(find_holes(job));
-    if (job->options->measure || has_other_size(&job->report)) BVXI_TRY(count_overlaps(job));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, check, bvx_mesh_check(job->ctx, &result, 0, &job->report.after)));
+    if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges != 0)
+        BVXI_TRY(BVXI_SHARE(job->ctx, check, holes, find_holes(job)));
+    if (job->options->measure || has_other_size(&job->report))
+        BVXI_TRY(BVXI_SHARE(job->ctx, holes, overlaps, count_overlaps(job)));
     if (!job->options->measure) return BVX_OK;
-    return measure_distances(job, repaired, &result);
+    return BVXI_SHARE(job->ctx, overlaps, 1.0, measure_distances(job, repaired, &result));
 }

@@ -126,14 +126,14 @@ static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
     v->where.words = NULL;
     v->rows = bvxi_grid_rows(&job->inside);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->grid_bytes, "the centres that are measured", &v->where.words));
-    BVXI_TRY(bvxi_ends_mark(ctx, &job->inside, NULL, &v->where));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.03, bvxi_ends_mark(ctx, &job->inside, NULL, &v->where)));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (v->rows + 1) * 8, "their rows", &v->first));
     v->count = bvxi_ends_number(&v->where, v->first);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 24, "their vectors", &v->vectors));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 8, "their distances", &v->distances));
     if (job->report.sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "their triangles", &v->triangles));
     if (job->body.triangle_count != 0)
-        BVXI_TRY(measure_mesh(job, v, &job->body, 0, v->vectors, v->distances, v->triangles, 0.0, shells ? 0.5 : 1.0));
+        BVXI_TRY(measure_mesh(job, v, &job->body, 0, v->vectors, v->distances, v->triangles, 0.03, shells ? 0.5 : 1.0));
     thicken_values(job, v);
     return shells ? measure_with_shells(job, v) : BVX_OK;
 }
@@ -191,10 +191,10 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const repair_values *v,
 bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     repair_values v;
-    bvx_status status = open_values(job, &v);
+    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.65, open_values(job, &v));
     if (status == BVX_OK && job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
         status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill, &job->holes, &job->winding);
-    if (status == BVX_OK) status = extract_repaired(job, &v, repaired);
+    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.65, 1.0, extract_repaired(job, &v, repaired));
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;
     close_values(job, &v);

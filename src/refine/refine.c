@@ -152,15 +152,17 @@ static bvx_status run_refinement(bvxi_refine_job *job)
 {
     bvx_octree *const tree = job->tree;
     int32_t made = -1;
-    bvx_status status = bvxi_refine_start(job);
+    double const begun = job->start == tree->levels ? 0.75 : 0.25, split = job->start == tree->levels ? 0.85 : 0.8;
+    bvx_status status = BVXI_SHARE(job->ctx, 0.0, begun, bvxi_refine_start(job));
+
     while (status == BVX_OK && ++made < tree->levels) {
-        status = bvxi_refine_split(job, made);
+        status = BVXI_SHARE(job->ctx, begun, split, bvxi_refine_split(job, made));
         if (made == job->start) bvxi_refine_free_grids(job); /* its order was the last that they were asked for */
     }
     if (status == BVX_OK) {
         bvxi_refine_free_front(job, &job->front);
         bvxi_refine_free_grids(job);
-        status = job->windowed ? bvxi_octree_row_states(job) : bvxi_octree_states(job->ctx, tree, job->up);
+        status = BVXI_SHARE(job->ctx, split, 1.0, job->windowed ? bvxi_octree_row_states(job) : bvxi_octree_states(job->ctx, tree, job->up));
     }
     if (status == BVX_ERR_BUDGET && job->windowed)
         return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: the window at level %d is beyond the memory limit", bvx_refine_name,

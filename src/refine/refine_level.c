@@ -247,7 +247,7 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
 {
     const bvx_octree *const tree = job->tree;
     int const lists = level >= job->start;
-    double const from = 0.25 + 0.5 * (double)level / (double)tree->levels, to = 0.25 + 0.5 * (double)(level + 1) / (double)tree->levels;
+    double const from = (double)level / (double)tree->levels, to = (double)(level + 1) / (double)tree->levels;
     level_job *split;
     bvx_status status = BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *split, "a level's counts", &split));

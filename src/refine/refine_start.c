@@ -148,12 +148,12 @@ static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (front->slots + 1) * 8, "the start's list places", &front->offset));
     surface->offset = front->offset;
     memset(surface->last, 0, (size_t)front->slots * 4);
-    BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_COUNT, 0.15, 0.2));
+    BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_COUNT, 0.6, 0.8));
     front->pairs = place_start_lists(front->offset, front->slots);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, front->pairs * 4, "the start's triangle lists", &front->list));
     surface->list = front->list;
     memset(surface->last, 0, (size_t)front->slots * 4);
-    BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_LIST, 0.2, 0.25));
+    BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_LIST, 0.8, 0.95));
     for (uint64_t v = front->slots; v > 0; v--) front->offset[v] = front->offset[v - 1]; /* filling has moved each to its end */
     front->offset[0] = 0;
     return BVX_OK;
@@ -206,7 +206,7 @@ static bvx_status touch_start_grid(bvxi_refine_job *job)
     start->refine = job;
     start_surface(job, &grid, &start->surface);
     status = bvxi_bins_open(job->ctx, refine_name, &start->surface);
-    if (status == BVX_OK) status = touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.1, 0.15);
+    if (status == BVX_OK) status = touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95);
     if (status == BVX_OK && job->start < tree->levels) status = make_start_lists(job, start);
     bvxi_bins_close(job->ctx, &start->surface);
     bvxi_free(job->ctx, start, sizeof *start);
@@ -263,7 +263,7 @@ static bvx_status coarsen_grids(bvxi_refine_job *job)
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, words * 8, "a coarser grid", &job->grids.words[l]));
         c.coarse = job->grids.words[l];
         c.pieces = bvxi_piece_count((uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l), COARSEN_GRAIN);
-        BVXI_TRY(bvxi_parallel(job->ctx, "refine", 0.25, 0.25, c.pieces, coarsen_rows, &c));
+        BVXI_TRY(bvxi_parallel(job->ctx, "refine", 0.95, 1.0, c.pieces, coarsen_rows, &c));
     }
     return BVX_OK;
 }

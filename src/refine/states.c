@@ -208,7 +208,7 @@ static bvx_status work_until_done(bvx_context *ctx, bvxi_states_job *job)
         else work_on_number(job, job->list[--job->listed]);
         if (++since < OCTETS_BETWEEN_QUESTIONS) continue;
         since = 0;
-        BVXI_TRY(bvxi_progress(ctx, "refine", 0.9));
+        BVXI_TRY(bvxi_progress(ctx, "refine", 0.5));
     }
     return BVX_OK;
 }
@@ -316,11 +316,11 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
     }
     job->pieces = bvxi_piece_count(job->tree->octets[job->bottom].count, STATES_GRAIN);
     take_octets(job);
-    BVXI_TRY(bvxi_parallel(ctx, "refine", 0.75, 0.8, job->pieces, take_cubes, job));
+    BVXI_TRY(bvxi_parallel(ctx, "refine", 0.0, 0.2, job->pieces, take_cubes, job));
     bvxi_expose_sides(job);
     BVXI_TRY(work_until_done(ctx, job));
     give_octets(job);
-    return bvxi_parallel(ctx, "refine", 0.95, 1.0, job->pieces, give_cubes, job);
+    return bvxi_parallel(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);
 }
 
 bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *const *up)

@@ -96,12 +96,12 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 {
     bvxi_slab *slabs = NULL;
     uint32_t count = 0;
-    bvx_status status = bvxi_slabs_make(s, &slabs, &count);
-    if (status == BVX_OK) status = bvxi_stack_ends(s);
-    if (status == BVX_OK) status = make_rings(s);
-    if (status == BVX_OK) status = bvxi_slabs_fill(s, slabs, s->slab_count);
-    if (status == BVX_OK) status = make_caps(s);
-    if (status == BVX_OK) status = bvxi_slabs_join(s, slabs, s->slab_count, mesh);
+    bvx_status status = BVXI_SHARE(s->ctx, 0.0, 0.03, bvxi_slabs_make(s, &slabs, &count));
+    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.03, 0.05, bvxi_stack_ends(s));
+    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.05, 0.1, make_rings(s));
+    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.1, 0.9, bvxi_slabs_fill(s, slabs, s->slab_count));
+    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.9, 0.95, make_caps(s));
+    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
     bvxi_slabs_free(s, slabs, count);
     return status;
 }
@@ -119,10 +119,10 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     BVXI_TRY(check_section_options(context, &o));
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
-    status = bvxi_stack_open(context, sections_name, sections, &o, &stack);
+    status = BVXI_SHARE(context, 0.0, 0.15, bvxi_stack_open(context, sections_name, sections, &o, &stack));
     if (status == BVX_OK) {
         measure_prismoids(&stack);
-        status = build_body(&stack, mesh);
+        status = BVXI_SHARE(context, 0.15, 1.0, build_body(&stack, mesh));
     }
     if (status == BVX_OK && o.report != NULL) {
         stack.report.skipped = stack.report.samples > stack.report.distances ? stack.report.samples - stack.report.distances : 0;

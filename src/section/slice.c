@@ -307,7 +307,7 @@ static bvx_status slice_planes(slice_work *w)
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most, "the pieces of a contour", &w->used));
     for (uint64_t i = 0; i < w->plane_count; i++) {
         uint64_t n;
-        BVXI_TRY(bvxi_progress(w->ctx, "slice", (double)i / (double)w->plane_count));
+        BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.7 + 0.3 * (double)i / (double)w->plane_count));
         n = gather_pieces(w, i);
         if (n == 0) continue;
         BVXI_TRY(bvxi_radix_sort(w->ctx, w->from, w->order, n));
@@ -351,12 +351,14 @@ static bvx_status close_result(slice_work *w, bvx_sections *sections)
 static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_sections *sections)
 {
     double low, high, bounds[2][3];
+    BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.0));
     BVXI_TRY(bvxi_view_bounds(w->ctx, slice_name, w->view, bounds[0], bounds[1]));
     BVXI_TRY(bvxi_section_frame(w->ctx, slice_name, o->normal, w->axis));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 4, "the vertices' numbers", &w->weld));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 8, "the vertices' heights", &w->height));
     BVXI_TRY(read_heights(w, &low, &high));
     BVXI_TRY(make_planes(w, o, low, high));
+    BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.3));
     BVXI_TRY(list_by_plane(w));
     BVXI_TRY(open_result(w));
     BVXI_TRY(slice_planes(w));

@@ -118,7 +118,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     bvx_mesh_view_of(&c->levels[i], &view);
     if (c->reports == NULL) return BVX_OK;
 
-    BVXI_TRY(bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.25, bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0)));
     r = &c->reports[i];
     memset(r, 0, sizeof *r);
     r->vertices = view.vertex_count;
@@ -129,21 +129,20 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->crossings = crossings;
     r->least_angle = smallest_angle(&c->levels[i]);
     r->refused = counts->link + counts->turned + counts->needle + counts->crossed;
-    BVXI_TRY(bvx_mesh_check(ctx, &view, 0, &r->certificate));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.3, bvx_mesh_check(ctx, &view, 0, &r->certificate)));
 
     if (c->measure_samples == 0) return BVX_OK;
     r->measured = 1;
-    return measure_level(ctx, c, &c->levels[i], c->measure_samples, &r->distance);
+    return BVXI_SHARE(ctx, 0.3, 1.0, measure_level(ctx, c, &c->levels[i], c->measure_samples, &r->distance));
 }
 
 /* ---- Levels ---- */
 
-static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, double from,
-                                double to, int *met)
+static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *met)
 {
     uint64_t const target = target_of(c, i);
 
-    BVXI_TRY(bvxi_collapse_to(collapse, target, from, to));
+    BVXI_TRY(bvxi_collapse_to(collapse, target, 0.0, 1.0));
     *met = bvxi_collapse_triangles(collapse) <= target;
     return bvxi_collapse_give(collapse, &c->levels[i]);
 }
@@ -195,13 +194,13 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
                                 bvx_mesh *found, int *met)
 {
     uint64_t before;
-    double part;
+    double part, rest = 1.0; /* of the progress, for tries whose number is not known */
 
     *met = 0;
     do {
         bvx_mesh made = {0};
 
-        BVXI_TRY(measure_share(ctx, c, i, collapse, &part));
+        BVXI_TRY(BVXI_SHARE(ctx, 1.0 - rest, 1.0 - rest * 0.9, measure_share(ctx, c, i, collapse, &part)));
         if (part > 1 && *met) break;
         BVXI_TRY(bvxi_collapse_give(collapse, &made));
         bvx_mesh_free(ctx, found);
@@ -209,7 +208,8 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         *met = part <= 1;
 
         before = bvxi_collapse_triangles(collapse);
-        BVXI_TRY(bvxi_collapse_to(collapse, next_try(before, part), 0, 1));
+        BVXI_TRY(bvxi_collapse_to(collapse, next_try(before, part), 1.0 - rest * 0.9, 1.0 - rest * 0.7));
+        rest *= 0.7;
     } while (part <= 1 && bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
 }
@@ -225,33 +225,34 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return status;
 }
 
-static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
-                             double from, double to)
+static bvx_status reach_target(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *met)
 {
-    int met;
+    return c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, met) : make_by_count(c, i, collapse, met);
+}
 
-    if (c->target_errors != NULL)
-        BVXI_TRY(make_by_error(ctx, c, i, collapse, &met));
-    else
-        BVXI_TRY(make_by_count(c, i, collapse, from, to, &met));
+static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse)
+{
+    double const made = c->reports == NULL ? 1.0 : c->measure_samples == 0 ? 0.9 : 0.7;
+    int met = 0;
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, reach_target(ctx, c, i, collapse, &met)));
     if (c->strict && !met)
         return bvxi_fail(
             ctx, BVX_ERR_RANGE,
             "%s: level %u cannot keep its target: %u triangles are the fewest that keep the guarantee",
             c->function, i, c->levels[i].triangle_count);
-    return report_level(ctx, c, i, collapse, met);
+    return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }
 
-bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface, double from,
-                            double to)
+bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface)
 {
     bvxi_collapse *collapse = NULL;
     bvx_status status = bvxi_collapse_open(ctx, c->function, surface, &c->collapse, &collapse);
 
     for (uint64_t i = 0; i < c->count && status == BVX_OK; i++) {
-        double const share = (to - from) / (double)c->count;
+        double const share = 0.9 / (double)c->count;
 
-        status = make_level(ctx, c, i, collapse, from + share * (double)i, from + share * (double)(i + 1));
+        status = BVXI_SHARE(ctx, 0.1 + share * (double)i, 0.1 + share * (double)(i + 1), make_level(ctx, c, i, collapse));
     }
     bvxi_collapse_close(collapse);
     if (status != BVX_OK) bvxi_levels_drop(ctx, c->levels, c->count);

@@ -21,10 +21,8 @@ typedef struct bvxi_level_chain {
 
 /* Refuse options that say too much, or nothing that can be. */
 bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *chain);
-/* Make all levels of a surface that is closed, manifold and oriented. After a failure none is left. from, to:
- * share of progress. */
-bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx_mesh_view *surface,
-                            double from, double to);
+/* Make all levels of a surface that is closed, manifold and oriented. After a failure none is left. */
+bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx_mesh_view *surface);
 /* Free what the library made of levels, and empty those in arrays of the caller's. */
 void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
 

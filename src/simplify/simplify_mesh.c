@@ -65,12 +65,12 @@ static bvx_status simplify_welded(bvx_context *ctx, bvxi_level_chain *chain, bvx
     bvx_status status;
 
     chain->collapse.borders = open == BVX_OPEN_SHELL ? BVXI_BORDERS_REFUSED : BVXI_BORDERS_KEPT;
-    status = bvxi_levels_make(ctx, chain, welded, 0.0, 1.0);
+    status = bvxi_levels_make(ctx, chain, welded);
     if (status != BVX_ERR_ARGUMENT || open == BVX_OPEN_SHELL) return status;
 
     chain->collapse.borders = open == BVX_OPEN_CUT ? BVXI_BORDERS_CUT : BVXI_BORDERS_KEPT;
     BVXI_TRY(bvxi_sheets_prepare(ctx, welded, corner, &sheets));
-    return bvxi_levels_make(ctx, chain, welded, 0.0, 1.0);
+    return bvxi_levels_make(ctx, chain, welded);
 }
 
 static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,

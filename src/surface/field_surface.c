@@ -121,8 +121,8 @@ static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_
 {
     int const mine = surface->positions == NULL;
     bvx_status status;
-    BVXI_TRY(bvxi_march_fill(ctx, m, surface));
-    status = place_cuts(ctx, c, report);
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.4, bvxi_march_fill(ctx, m, surface)));
+    status = BVXI_SHARE(ctx, 0.4, 1.0, place_cuts(ctx, c, report));
     if (status == BVX_OK) return BVX_OK;
     if (mine) bvx_mesh_free(ctx, surface);
     else surface->vertex_count = surface->triangle_count = 0;
@@ -142,9 +142,9 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     plain.triangle_capacity = m->triangle_count;
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening", &plain.positions);
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles);
-    if (status == BVX_OK) status = bvxi_march_fill(ctx, m, &plain);
-    if (status == BVX_OK) status = place_cuts(ctx, c, report);
-    if (status == BVX_OK) status = bvxi_sharpen(ctx, m, c, least_cosine, surface, report);
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.0, 0.15, bvxi_march_fill(ctx, m, &plain));
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.15, 0.6, place_cuts(ctx, c, report));
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.6, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
     bvxi_free(ctx, plain.triangles, triangle_bytes);
     bvxi_free(ctx, plain.positions, position_bytes);
     bvxi_free(ctx, c->planes, plane_bytes);
@@ -165,7 +165,7 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     extract.position_type = options->position_type;
     extract.local_frame = options->local_frame;
     m.function = function;
-    status = bvxi_march_open(ctx, &m, inside, &extract);
+    status = BVXI_SHARE(ctx, 0.0, options->sharp ? 0.15 : 0.4, bvxi_march_open(ctx, &m, inside, &extract));
     cuts.march = &m;
     cuts.values = values;
     cuts.interpolation = options->interpolation;

@@ -61,13 +61,15 @@ static void copy_fill(const fills_work *w, const bvx_grid *from, const bvx_grid 
 static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
 {
     bvx_solid_report unused = {0};
-    if (rule == BVX_FILL_PARITY) return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.5, 0.7, &unused);
-    if (rule == BVX_FILL_NONZERO) return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.7, 0.9, &unused);
+    if (rule == BVX_FILL_PARITY) return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.0, 0.15, &unused);
+    if (rule == BVX_FILL_NONZERO) return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.15, 0.3, &unused);
     copy_fill(w, &w->vote, &w->filled);
-    if (rule == BVX_FILL_REGIONS) return bvxi_regions(ctx, fills_name, &w->surface, w->sure.words, &w->filled, &unused);
+    if (rule == BVX_FILL_REGIONS)
+        return BVXI_SHARE(ctx, 0.9, 1.0, bvxi_regions(ctx, fills_name, &w->surface, w->sure.words, &w->filled, &unused));
     if (rule != BVX_FILL_FLOOD) return BVX_OK;
     copy_fill(w, &w->surface, &w->closed);
-    return bvxi_flood(ctx, fills_name, &w->closed, w->sure.words, w->close_gaps, &w->filled, &unused, &w->result.flood_leaked);
+    return BVXI_SHARE(ctx, 0.3, 0.9, bvxi_flood(ctx, fills_name, &w->closed, w->sure.words, w->close_gaps, &w->filled, &unused,
+                                                &w->result.flood_leaked));
 }
 
 static bvx_status fill_all(bvx_context *ctx, fills_work *w)
@@ -135,11 +137,11 @@ static bvx_status run_fills(bvx_context *ctx, const bvx_mesh_view *mesh, fills_w
     bvx_surface_options o;
     bvx_solid_report unused = {0};
     bvx_surface_options_init(&o, sizeof o);
-    BVXI_TRY(bvxi_vote(ctx, &w->job, 1, &w->vote, w->sure.words, 0.1, 0.5, &unused));
-    BVXI_TRY(bvx_voxelize_surface(ctx, mesh, &w->vote.lattice, &o, &w->surface));
+    BVXI_TRY(bvxi_vote(ctx, &w->job, 1, &w->vote, w->sure.words, 0.1, 0.25, &unused));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.45, bvx_voxelize_surface(ctx, mesh, &w->vote.lattice, &o, &w->surface)));
     BVXI_TRY(bvx_grid_count(ctx, &w->surface, &w->result.surface_voxels));
-    BVXI_TRY(fill_all(ctx, w));
-    return count_lost(ctx, w);
+    BVXI_TRY(BVXI_SHARE(ctx, 0.45, 0.97, fill_all(ctx, w)));
+    return BVXI_SHARE(ctx, 0.97, 1.0, count_lost(ctx, w));
 }
 
 /* A grid for the caller, where he wants one; on failure what was made for the other goes too. */

@@ -235,11 +235,11 @@ static bvx_status choose_or_fill(bvx_context *ctx, const bvx_mesh_view *mesh, au
     int32_t balanced;
 
     BVXI_TRY(bvxi_edges_balance(ctx, &w->job, 0.1, &balanced));
-    if (!balanced) return choose_unbalanced(ctx, mesh, w, &solid->lattice);
+    if (!balanced) return BVXI_SHARE(ctx, 0.1, 0.8, choose_unbalanced(ctx, mesh, w, &solid->lattice));
 
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
     if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice)) BVXI_TRY(try_parity(ctx, w, solid, report, filled));
-    return *filled ? BVX_OK : choose_closed(ctx, mesh, w, &solid->lattice);
+    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.1, 0.8, choose_closed(ctx, mesh, w, &solid->lattice));
 }
 
 bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, bvxi_fill_by_name_fn *by_name, bvx_grid *solid,
@@ -257,7 +257,7 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     bvxi_free(ctx, w.representative, mesh->vertex_count * 4);
     bvxi_solid_close(ctx, &w.job);
 
-    if (status == BVX_OK && !filled) status = by_name(ctx, &w.choice.view, w.choice.fill, solid, report);
+    if (status == BVX_OK && !filled) status = BVXI_SHARE(ctx, 0.8, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report));
     bvxi_free(ctx, w.choice.index, mesh->triangle_count * 12);
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;

@@ -181,13 +181,13 @@ static void close_tile(void *user, int32_t tile, int32_t worker)
 static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 {
     uint64_t unbalanced = 0;
-    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.1), bvxi_solid_progress(job, 0.15), job->tiles.count, clear_tile, job));
-    BVXI_TRY(bvxi_solid_rounds(ctx, job, job->summed ? BVXI_TOGGLE_SUMMED : BVXI_TOGGLE, 0.15, 0.4));
-    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.4), bvxi_solid_progress(job, 0.5), job->tiles.count, close_tile, job));
+    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.05), bvxi_solid_progress(job, 0.15), job->tiles.count, clear_tile, job));
+    BVXI_TRY(bvxi_solid_rounds(ctx, job, job->summed ? BVXI_TOGGLE_SUMMED : BVXI_TOGGLE, 0.15, 0.75));
+    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.75), bvxi_solid_progress(job, 0.85), job->tiles.count, close_tile, job));
     for (int32_t t = 0; t < job->tiles.count; t++) unbalanced += job->unbalanced[t];
     if (unbalanced == 0 || job->keep_odd) return BVX_OK;
     job->listed = job->beyond;
-    return bvxi_solid_lists(ctx, job);
+    return bvxi_solid_lists(ctx, job, 0.85);
 }
 
 /* ---- a block, a grid ---- */
@@ -225,7 +225,7 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
         status = bvxi_solid_rounds(ctx, job, BVXI_HIGHEST, 0.1, 1.0);
     } else {
         BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, rows, "the rows' balance", &job->beyond));
-        status = job->fill == BVX_FILL_PARITY ? fill_parity_rows(ctx, job) : bvxi_solid_lists(ctx, job);
+        status = job->fill == BVX_FILL_PARITY ? fill_parity_rows(ctx, job) : bvxi_solid_lists(ctx, job, 0.1);
         bvxi_free(ctx, job->beyond, rows);
     }
     for (int32_t c = 0; c < job->chunks; c++) report->triangles_used += job->chunk[c].used;

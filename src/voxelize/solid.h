@@ -149,7 +149,7 @@ bvx_status bvxi_solid_again(bvx_context *ctx, bvxi_solid_job *job, int32_t mode,
 /* solid_rows.c: make the lists of the rows of the block being filled, not sorted; let go of them. */
 bvx_status bvxi_solid_gather(bvx_context *ctx, bvxi_solid_job *job, double from, double to, bvxi_row_lists *lists);
 void bvxi_row_lists_free(bvx_context *ctx, bvxi_row_lists *lists);
-/* Fill listed rows from their lists by the job's rule. */
-bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job);
+/* Fill listed rows from their lists by the job's rule; from: of the block's progress. */
+bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job, double from);
 
 #endif

@@ -103,15 +103,18 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
                                bvx_solid_report *report)
 {
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
+    int const more = o->fill != BVX_FILL_VOTE;
     uint64_t *sure = NULL;
     bvx_grid shell = {0};
     bvx_status status;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
-    status = bvxi_vote(ctx, job, o->fill != BVX_FILL_VOTE, solid, sure, 0.1, 1.0, report);
-    if (status == BVX_OK && o->fill != BVX_FILL_VOTE) {
-        status = bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels);
-        if (status == BVX_OK && o->fill == BVX_FILL_REGIONS) status = bvxi_regions(ctx, solid_name, &shell, sure, solid, report);
-        if (status == BVX_OK && o->fill == BVX_FILL_FLOOD) status = flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report);
+    status = bvxi_vote(ctx, job, more, solid, sure, 0.1, more ? 0.3 : 1.0, report);
+    if (status == BVX_OK && more) {
+        status = BVXI_SHARE(ctx, 0.3, 0.6, bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels));
+        if (status == BVX_OK && o->fill == BVX_FILL_REGIONS)
+            status = BVXI_SHARE(ctx, 0.6, 1.0, bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
+        if (status == BVX_OK && o->fill == BVX_FILL_FLOOD)
+            status = BVXI_SHARE(ctx, 0.6, 1.0, flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report));
         bvxi_shell_close(ctx, &shell);
     }
     bvxi_free(ctx, sure, bytes);
@@ -149,6 +152,13 @@ static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32
     return fill_by_rule(ctx, mesh, &o, NULL, solid, report);
 }
 
+static bvx_status fill_the_grid(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o, bvx_grid *solid,
+                                bvx_solid_report *report)
+{
+    if (o->fill == BVX_FILL_AUTO) return bvxi_fill_auto(ctx, solid_name, mesh, fill_chosen, solid, report);
+    return fill_by_rule(ctx, mesh, o, NULL, solid, report);
+}
+
 /* ---- What comes after ---- */
 
 static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_grid *solid, bvx_solid_report *report)
@@ -176,6 +186,7 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
 {
     bvx_voxelize_options o = voxelize_defaults;
     bvx_solid_report report = {0};
+    double filled, shelled; /* progress by then */
     bvx_window window;
     bvx_grid made;
     bvx_status status;
@@ -186,10 +197,12 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     made = *solid;
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;
-    if (o.fill == BVX_FILL_AUTO) status = bvxi_fill_auto(context, solid_name, mesh, fill_chosen, &made, &report);
-    else status = fill_by_rule(context, mesh, &o, NULL, &made, &report);
-    if (status == BVX_OK && o.add_shell) status = add_the_shell(context, mesh, &made, &report);
-    if (status == BVX_OK && o.check_edges) status = count_edges(context, mesh, &report);
+    shelled = o.check_edges ? 0.4 : 1.0;
+    filled = o.add_shell ? 0.5 * shelled : shelled;
+    status = BVXI_SHARE(context, 0.0, filled, fill_the_grid(context, mesh, &o, &made, &report));
+    if (status == BVX_OK && o.add_shell)
+        status = BVXI_SHARE(context, filled, shelled, add_the_shell(context, mesh, &made, &report));
+    if (status == BVX_OK && o.check_edges) status = BVXI_SHARE(context, shelled, 1.0, count_edges(context, mesh, &report));
     if (status != BVX_OK) {
         if (solid->words == NULL) bvx_grid_free(context, &made);
         return status;

@@ -206,6 +206,82 @@ static void test_a_refused_call_does_not_reach_1(void)
 
 /* ---- shares ---- */
 
+/* Where in its call a step begins, at the least and at the most: about its share of the time on models of common sizes. */
+typedef struct step {
+    bvx_status (*make)(const world *w);
+    const char *stage;
+    double low, high;
+} step;
+
+typedef struct wanted {
+    const char *stage;
+    double at; /* of its first report; -1: none yet */
+} wanted;
+
+static int32_t note_step(void *user, const char *stage, double fraction)
+{
+    wanted *const w = user;
+
+    if (w->at < 0.0 && fraction < 1.0 && strcmp(stage, w->stage) == 0) w->at = fraction;
+    return 0;
+}
+
+static bvx_status measured_levels(const world *w)
+{
+    bvx_levels_options o;
+
+    bvx_levels_options_init(&o, sizeof o);
+    o.source = BVX_LEVELS_MEASURED;
+    o.resolution = 16;
+    return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
+}
+
+static bvx_status measured_repair(const world *w)
+{
+    bvx_repair_report report;
+    bvx_repair_options o;
+
+    bvx_repair_options_init(&o, sizeof o);
+    o.resolution = 16;
+    o.report = &report;
+    o.measure = 1;
+    return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
+}
+
+static void test_steps_begin_where_their_time_does(void)
+{
+    static const step steps[] = {
+        {repair, "measure", 0.1, 0.4},           {repair, "vertices", 0.5, 0.9},         {measured_repair, "vertices", 0.1, 0.5},
+        {measured_repair, "distance", 0.2, 0.6}, {boolean, "measure", 0.05, 0.4},        {boolean, "vertices", 0.5, 0.9},
+        {build_levels, "collapse", 0.1, 0.6},    {measured_levels, "collapse", 0.1, 0.5}, {build_sections, "surface", 0.1, 0.4},
+        {extract_octree, "merge", 0.2, 0.6},     {extract_field_surface, "vertices", 0.2, 0.6},
+    };
+
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        wanted seen_step = {steps[i].stage, -1.0};
+        bvx_context_options o;
+        bvx_context *ctx = NULL;
+        world w;
+
+        bvx_context_options_init(&o, sizeof o);
+        o.threads = 1;
+        o.progress = note_step;
+        o.progress_user = &seen_step;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+        make_world(ctx);
+        seen_step.at = -1.0;
+        w = right_world(ctx);
+        memset(&out, 0, sizeof out);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, steps[i].make(&w), bvx_last_message(ctx));
+        free_result(ctx, TO_MESH);
+        if (!(seen_step.at >= steps[i].low && seen_step.at <= steps[i].high))
+            printf("row %d: %s begins at %g, not between %g and %g\n", (int)i, steps[i].stage, seen_step.at, steps[i].low, steps[i].high);
+        TEST_ASSERT_TRUE(seen_step.at >= steps[i].low && seen_step.at <= steps[i].high);
+        free_world(ctx);
+        bvx_context_destroy(ctx);
+    }
+}
+
 static double seen[64];
 static int seen_count;
 
@@ -292,6 +368,7 @@ int main(void)
     RUN_TEST(test_every_call_rises_once_to_1);
     RUN_TEST(test_a_cancelled_call_does_not_reach_1);
     RUN_TEST(test_a_refused_call_does_not_reach_1);
+    RUN_TEST(test_steps_begin_where_their_time_does);
     RUN_TEST(test_works_share_the_fraction);
     return UNITY_END();
 }
