@@ -614,6 +614,13 @@ void cli_drop_outputs(cli_run *run);
 /* The part of it that an interrupt does, with the lock held. */
 void cli_remove_temporaries(cli_run *run);
 
+/* ---- pack.c: outputs whose names end in .gz ---- */
+
+/* 0 in builds without zlib. */
+int cli_can_pack(void);
+/* Pack a file by gzip; packed->bytes is to be freed in any case. */
+int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer *packed);
+
 /* ---- standard_output.c: -o - ---- */
 
 /* run->options.output becomes a name that stands for standard output; refuses a terminal. */

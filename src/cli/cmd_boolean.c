@@ -51,7 +51,7 @@ static int check_boolean_options(cli_run *run, boolean_run *b)
     if (status != CLI_DONE) return status;
     for (int i = 0; i < 2; i++) b->is_mesh[i] = kind[i] == CLI_MESH;
     grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
-    b->kind = cli_is_packed(out) ? 0 : cli_kind_of_format(bvx_format_of_name(out));
+    b->kind = cli_kind_of_format(bvx_format_of_name(out));
     if (b->kind == 0)
         return cli_usage(run, "%s: the name ends in no format that is written (.ply .obj .stl .off .glb, .npy .binvox .vox .nrrd .vti .bvx)", out);
     for (int i = 0; i < 2 && status == CLI_DONE && grids != 0; i++)

@@ -20,7 +20,7 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     int status = cli_input_kind(run, o->input[0], kind);
     if (status != CLI_DONE) return status;
     if (format == BVX_FORMAT_PNG) return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);
-    if (to == 0 || cli_is_packed(o->output))
+    if (to == 0)
         return cli_usage(run, "%s: the name ends in no format that is written (%s)", o->output,
                          *kind == CLI_MESH ? ".ply .obj .stl .off .glb" : ".npy .binvox .vox .nrrd .vti .bvx, .vtu of octrees");
     if (to == CLI_TREE && cli_input_format(run, o->input[0]) != BVX_FORMAT_BVX)

@@ -9,7 +9,7 @@ static int check_faces_options(cli_run *run)
     const char *const out = run->options.output;
     int kind, status = cli_input_kind(run, run->options.input[0], &kind);
     if (status != CLI_DONE) return status;
-    if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH || cli_is_packed(out))
+    if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH)
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", out);
     if (kind == CLI_GRID) return cli_refuse_for_grid(run, run->options.input[0]);
     status = cli_check_lattice(run);

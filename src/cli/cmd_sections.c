@@ -33,7 +33,7 @@ static int check_sections_options(cli_run *run)
     int32_t const format = cli_input_format(run, o->input[0]);
     if (!is_contour_format(format))
         return cli_usage(run, "%s: the name ends in no contour format that is read (.csl .csv, also with .gz)", cli_input_name(o->input[0]));
-    if (cli_kind_of_format(bvx_format_of_name(o->output)) != CLI_MESH || cli_is_packed(o->output))
+    if (cli_kind_of_format(bvx_format_of_name(o->output)) != CLI_MESH)
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", o->output);
     if (cli_given(run, "--close-gap") && format != BVX_FORMAT_CSV)
         return cli_usage(run, "--close-gap is for .csv; loops of .csl are closed by their format");
@@ -42,7 +42,7 @@ static int check_sections_options(cli_run *run)
     if (cli_given(run, "--grid") && cli_given(run, "--spacing")) return cli_usage(run, "--grid and --spacing contradict each other");
     if ((o->block_model != NULL) != (o->block.given != 0)) return cli_usage(run, "--block-model and --block go together");
     if (o->block_model != NULL) {
-        if (bvx_format_of_name(o->block_model) != BVX_FORMAT_CSV || cli_is_packed(o->block_model))
+        if (bvx_format_of_name(o->block_model) != BVX_FORMAT_CSV)
             return cli_usage(run, "%s: a block model's name ends in .csv", o->block_model);
         if (o->caps == BVX_CAPS_OPEN) return cli_usage(run, "--block-model needs a closed body, not --caps open");
         for (int k = 0; k < 3; k++)

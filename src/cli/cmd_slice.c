@@ -10,7 +10,7 @@ static int check_slice_options(cli_run *run)
     int32_t const format = bvx_format_of_name(o->output);
     int kind, status = cli_input_kind(run, o->input[0], &kind);
     if (status != CLI_DONE) return status;
-    if ((format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV && format != BVX_FORMAT_SVG) || cli_is_packed(o->output))
+    if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV && format != BVX_FORMAT_SVG)
         return cli_usage(run, "%s: the name ends in no contour format that is written (.csl .csv .svg)", o->output);
     if (!cli_given(run, "--spacing")) return cli_usage(run, "--spacing is needed");
     if (format == BVX_FORMAT_CSV && o->up_axis != 0 && o->up_axis != 3)

@@ -74,7 +74,7 @@ static const char *const contour_format_names[] = {"csl", "csv", NULL};
 
 static const cli_argument arguments[] = {
     FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH | CLI_COMPONENTS | CLI_SIMPLIFY, output,
-              "where the result goes; the ending tells the format; - is standard\noutput, with --format"),
+              "where the result goes; the ending tells the format, with .gz behind it\nthe file is packed; - is standard output, with --format"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis: the mesh's surface is measured with so\n"
          "many, or a solid is made of them for --levels [collapse: as the finest\n"

@@ -218,6 +218,8 @@ int cli_open_output(cli_run *run, const char *path)
     unsigned mode = 0;
     int good, error;
     if (run->outputs == CLI_MAX_OUTPUTS) return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
+    if (cli_is_packed(path) && !cli_can_pack())
+        return cli_fail(run, "%s: this build cannot pack: it was made without zlib; give a name without .gz", path);
     cli_lock();
     memset(o, 0, sizeof *o);
     o->path = copy_text(path);
@@ -254,9 +256,8 @@ static FILE *open_for_writing(cli_output *o)
     return file;
 }
 
-int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
+static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
 {
-    cli_output *const o = &run->output[number];
     int const standard = o->kind == CLI_OUT_STANDARD;
     FILE *const file = open_for_writing(o);
     uint64_t written = 0;
@@ -281,6 +282,20 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
     if (stopped) return cli_fail_interrupted(run);
     if (error != 0) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
     return CLI_DONE;
+}
+
+int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
+{
+    cli_output *const o = &run->output[number];
+    bvx_buffer packed = {0};
+    int status;
+
+    if (!cli_is_packed(o->path)) return write_bytes(run, o, buffer);
+
+    status = cli_pack(run, o->path, buffer, &packed);
+    if (status == CLI_DONE) status = write_bytes(run, o, &packed);
+    free(packed.bytes);
+    return status;
 }
 
 /* ---- the end ---- */

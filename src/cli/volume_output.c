@@ -18,7 +18,7 @@ static int check_volume_output(cli_run *run, int *kind)
     const char *const out = run->options.output;
     int const has_number = cli_has_number(out);
     *kind = cli_kind_of_format(bvx_format_of_name(out));
-    if (*kind == 0 || cli_is_packed(out))
+    if (*kind == 0)
         return cli_usage(run, "%s: the name ends in no grid format that is written (.npy .binvox .vox .nrrd .vti .bvx), and in no mesh "
                          "format (.ply .obj .stl .off .glb)", out);
     if (*kind == CLI_GRID && cli_refuse_reduction(run, "is for a mesh; the result is a grid") != CLI_DONE) return CLI_USAGE;

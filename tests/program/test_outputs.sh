@@ -1,5 +1,5 @@
 #!/bin/sh
-# test_outputs.sh [PROGRAM] - where the bitvox program writes: standard output.
+# test_outputs.sh [PROGRAM] - where the bitvox program writes: standard output, packed files.
 # PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is
 # "N passed, N failed[, N skipped]". Runs in the repository's root, works in a folder of its own.
 set -u
@@ -117,5 +117,61 @@ fi
 run convert "$knot" -o - --quiet
 holds 'a file of such a name stays' sh -c "test -s out && ! test -s 'standard output.ply'"
 rm -f 'standard output.ply'
+
+# ---- .gz: packed outputs ----
+
+packed() { # NAME, ARGUMENTS with OUT for it: NAME.gz unpacks to what NAME holds
+    file=$1
+    shift
+    for name in "$file" "$file.gz"; do
+        (
+            for word; do
+                shift
+                [ "$word" = OUT ] && word=$name
+                set -- "$@" "$word"
+            done
+            "$program" "$@" --quiet >/dev/null 2>err </dev/null
+        ) || { not_ok "packed: $*" "no $name"; return; }
+    done
+    if gzip -dc "$file.gz" | cmp -s - "$file" && [ "$(wc -c <"$file.gz")" -lt "$(wc -c <"$file")" ]; then ok "packed: $*"; else not_ok "packed: $*" ''; fi
+    again=$(cksum <"$file.gz")
+    run convert "$file.gz" -o "$file.gz" --quiet
+    case $file in
+    *.ply) if [ $status = 0 ] && [ "$(cksum <"$file.gz")" = "$again" ]; then ok "packed again: $file"; else not_ok "packed again: $file" "status $status"; fi ;;
+    esac
+}
+run convert "$knot" -o x.ply.gz
+if grep -q 'made without zlib' err; then
+    holds 'without zlib no .gz is written' sh -c "test $status = 1 && ! test -e x.ply.gz"
+elif ! has gzip; then
+    skip 'packed outputs' 'gzip is missing'
+else
+    packed x.ply repair "$knot" -o OUT --resolution 32
+    packed x.obj convert "$knot" -o OUT
+    packed x.stl lod "$knot" -o OUT --triangles 3000
+    packed x.off faces "$knot" -o OUT --resolution 16
+    packed x.glb simplify "$knot" -o OUT
+    packed x.nrrd voxelize "$knot" -o OUT --resolution 64
+    packed x.bvx refine "$knot" -o OUT --halvings 2
+    packed x.csv slice "$knot" -o OUT --spacing 0.3
+    run lod "$knot" -o 'x_%d.ply.gz' --triangles 3000,1000
+    holds 'levels, packed' sh -c 'gzip -t x_0.ply.gz && gzip -t x_1.ply.gz'
+    run voxelize "$knot" -o g.npy --resolution 16
+    run voxelize "$knot" -o h.npy.gz --resolution 16
+    gzip -dc h.npy.gz | cmp -s - g.npy && cmp -s h.npy.json g.npy.json
+    result 'a packed grid with its side-car' $?
+    works 'and both are read' convert h.npy.gz -o h.bvx
+    refuses 2 'no picture format' render "$knot" -o x.png.gz
+    if [ -c /dev/full ]; then
+        ln -s /dev/full full.ply.gz
+        run convert "$knot" -o full.ply.gz
+        holds 'a full disk is told' sh -c "test $status = 1 && grep -q 'full.ply.gz: cannot be written' err"
+        rm -f full.ply.gz
+    fi
+    run convert "$knot" -o x.ply.gz
+    run repair x.ply.gz -o y.ply --resolution 32
+    run repair "$knot" -o z.ply --resolution 32
+    holds 'what was packed is read as it was' cmp y.ply z.ply
+fi
 
 counts

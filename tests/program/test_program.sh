@@ -161,7 +161,6 @@ refuses 2 'whole number from 1' lod "$knot" -o x_%d.ply --resolution 64,64,64
 refuses 2 'need %d' lod "$knot" -o x.ply
 refuses 2 'has two %d' lod "$knot" -o x_%d_%d.ply
 refuses 2 'no mesh format that is written' lod "$knot" -o x_%d.npy
-refuses 2 'no mesh format that is written' lod "$knot" -o x_%d.ply.gz
 refuses 2 'no grid format that is written' voxelize "$knot" -o x.ply
 refuses 2 'exclude each other' voxelize "$knot" -o x.npy --resolution 9 --spacing 1
 refuses 2 'one whole number or three' voxelize "$knot" -o x.npy --resolution 9,9
