@@ -10,6 +10,9 @@
  * the whole does, in the memory of a near cache, and is copied back: the order of the cells does not matter,
  * nor the number of threads.
  *
+ * Ghost triangles, which close the borders of an open mesh, are in the cell of their two vertices, or straddle:
+ * an edge to the ghost is of the cell that its other end is in.
+ *
  * Only edges below a cost that half of all have go, and half of a cell's triangles at most: so cells keep
  * step with each other, and from three times the target on edges go by rising cost all over the mesh. Each
  * round has other borders. */
@@ -28,8 +31,10 @@ typedef struct collapse_cell {
     uint64_t begin, end;  /* of its vertices in the order */
     bvxi_box box;         /* steps, both ends within */
     uint64_t inside, straddling; /* triangles */
-    uint64_t first;       /* of its list: those inside, then those that straddle, each by rising index */
-    uint64_t listed_inside, listed_straddling;
+    uint64_t ghosts_inside, ghosts_straddling;
+    uint64_t first;       /* of its list: those inside, then those that straddle, then ghosts in the same way, each
+                             by rising index */
+    uint64_t listed_inside, listed_straddling, listed_ghosts_inside, listed_ghosts_straddling;
     int32_t stays;
     uint64_t removed;     /* triangles, after its collapses */
     bvxi_collapse_counts counts;
@@ -49,7 +54,7 @@ typedef struct cell_round {
     uint32_t *other;     /* while they are ordered */
     uint32_t *rank;      /* of each vertex in the order */
     uint32_t *cell_of;   /* of each vertex */
-    uint32_t *place;     /* of each triangle in its cell's list, UINT32_MAX: it straddles */
+    uint32_t *place;     /* of each triangle and ghost in its cell's list, UINT32_MAX: it straddles */
     uint32_t *list;
     cell_node *node;
     collapse_cell *cell;
@@ -60,7 +65,7 @@ typedef struct cell_round {
 
     /* A worker's memory. */
     unsigned char *memory;
-    uint64_t worker_bytes, vertex_room, triangle_room;
+    uint64_t worker_bytes, vertex_room, triangle_room, ghost_room;
 } cell_round;
 
 /* ---- Cells ---- */
@@ -251,19 +256,52 @@ static void list_by_cells(cell_round *r, int fill)
     }
 }
 
+static void list_straddling_ghost(cell_round *r, collapse_cell *cell, uint32_t t, int fill)
+{
+    if (!fill)
+        cell->ghosts_straddling++;
+    else if (!cell->stays)
+        r->list[cell->first + cell->inside + cell->straddling + cell->ghosts_inside + cell->listed_ghosts_straddling++] = t;
+}
+
+/* Ghosts are listed where one of their vertices is: nothing can cross them. */
+static void list_ghosts(cell_round *r, int fill)
+{
+    const bvxi_corners *const m = &r->whole->mesh;
+
+    for (uint64_t t = m->triangles; t < m->triangles + m->ghosts; t++) {
+        const uint32_t *const v = m->triangle[t].vertex;
+        uint32_t const one = r->cell_of[v[1]], other = r->cell_of[v[2]];
+        collapse_cell *const cell = &r->cell[one];
+
+        if (one != other) {
+            r->place[t] = UINT32_MAX;
+            list_straddling_ghost(r, cell, (uint32_t)t, fill);
+            list_straddling_ghost(r, &r->cell[other], (uint32_t)t, fill);
+        } else if (fill) {
+            r->place[t] = (uint32_t)(cell->inside + cell->straddling + cell->listed_ghosts_inside++);
+            if (!cell->stays) r->list[cell->first + r->place[t]] = (uint32_t)t;
+        } else {
+            cell->ghosts_inside++;
+        }
+    }
+}
+
 /* Where each cell's list begins, and what a worker must have room for. */
 static void size_lists(cell_round *r)
 {
-    r->listed = r->vertex_room = r->triangle_room = 0;
+    r->listed = r->vertex_room = r->triangle_room = r->ghost_room = 0;
     for (uint64_t i = 0; i < r->cells; i++) {
         collapse_cell *const cell = &r->cell[i];
         uint64_t const triangles = cell->inside + cell->straddling;
-        uint64_t const vertices = cell->end - cell->begin + 3 * cell->straddling;
+        uint64_t const ghosts = cell->ghosts_inside + cell->ghosts_straddling;
+        uint64_t const vertices = cell->end - cell->begin + 3 * cell->straddling + cell->ghosts_straddling;
 
         cell->first = r->listed;
         cell->stays = cell->inside == 0 || triangles > CELL_TRIANGLES;
         if (cell->stays) continue;
-        r->listed += triangles;
+        r->listed += triangles + ghosts;
+        if (ghosts > r->ghost_room) r->ghost_room = ghosts;
         if (triangles > r->triangle_room) r->triangle_room = triangles;
         if (vertices > r->vertex_room) r->vertex_room = vertices;
     }
@@ -295,11 +333,11 @@ static uint64_t chunks_for(uint64_t triangles)
     return (entries < spread ? entries : spread) + 2 * BVXI_STAR_MOST;
 }
 
-static uint64_t worker_bytes_for(uint64_t vertices, uint64_t triangles)
+static uint64_t worker_bytes_for(uint64_t vertices, uint64_t triangles, uint64_t ghosts)
 {
     return whole_lines(sizeof(bvxi_collapse)) + whole_lines(vertices * sizeof(bvxi_corner_vertex)) +
            whole_lines(vertices * sizeof(bvxi_facing)) + whole_lines(vertices * 4) + whole_lines(vertices) +
-           whole_lines(triangles * sizeof(bvxi_corner_triangle)) + whole_lines(bvxi_box_tree_bytes(triangles)) +
+           whole_lines((triangles + ghosts) * sizeof(bvxi_corner_triangle)) + whole_lines(bvxi_box_tree_bytes(triangles)) +
            whole_lines(chunks_for(triangles) * sizeof(bvxi_queue_chunk)) + BVXI_QUEUE_HEADS * sizeof(int32_t);
 }
 
@@ -329,9 +367,9 @@ static void lay_out_cell(cell_work *w, unsigned char *memory)
     m->facing = (bvxi_facing *)(void *)take_room(&memory, r->vertex_room * sizeof *m->facing);
     c->version = (uint32_t *)(void *)take_room(&memory, r->vertex_room * sizeof *c->version);
     w->locked = take_room(&memory, r->vertex_room);
-    m->triangle = (bvxi_corner_triangle *)(void *)take_room(&memory, r->triangle_room * sizeof *m->triangle);
+    m->triangle = (bvxi_corner_triangle *)(void *)take_room(&memory, (r->triangle_room + r->ghost_room) * sizeof *m->triangle);
     m->triangles = m->left = w->cell->inside + w->cell->straddling;
-    m->ghosts = 0;
+    m->ghosts = w->cell->ghosts_inside + w->cell->ghosts_straddling;
 
     c->boxes = r->whole->boxes;
     bvxi_box_tree_lay_out(&c->boxes, m->triangles, take_room(&memory, bvxi_box_tree_bytes(r->triangle_room)));
@@ -350,6 +388,7 @@ static uint32_t take_corner(const cell_work *w, uint32_t v, int *outside)
     const cell_round *const r = w->round;
     bvxi_corners *const m = &w->c->mesh;
 
+    if (v == BVXI_VERTEX_GHOST) return v;
     if (r->rank[v] < w->cell->begin || r->rank[v] >= w->cell->end) {
         *outside = 1;
         memcpy(m->at[m->vertices].p, r->whole->mesh.at[v].p, sizeof m->at[v].p);
@@ -380,6 +419,10 @@ static uint32_t own_triangle(const cell_work *w, uint32_t t)
     uint64_t low = w->cell->inside, high = w->cell->inside + w->cell->straddling;
 
     if (w->round->place[t] != UINT32_MAX) return w->round->place[t];
+    if (t >= w->round->whole->mesh.triangles) {
+        low = high + w->cell->ghosts_inside;
+        high = low + w->cell->ghosts_straddling;
+    }
     while (high - low > 1) {
         uint64_t const middle = (low + high) / 2;
 
@@ -398,7 +441,7 @@ static void take_triangles(cell_work *w)
     const bvxi_corners *const whole = &w->round->whole->mesh;
     bvxi_corners *const m = &w->c->mesh;
 
-    for (uint64_t i = 0; i < m->triangles; i++) {
+    for (uint64_t i = 0; i < m->triangles + m->ghosts; i++) {
         const bvxi_corner_triangle *const from = &whole->triangle[w->list[i]];
         bvxi_corner_triangle *const to = &m->triangle[i];
         int outside = 0;
@@ -433,11 +476,17 @@ static void collapse_edges(cell_work *w)
         bvxi_collapse_try(c, &entry);
 }
 
+/* 1 when no other cell has the end of an edge. */
+static int is_no_others(const cell_work *w, uint32_t v)
+{
+    return v < w->own || v == BVXI_VERTEX_GHOST;
+}
+
 /* A triangle's opposites across edges with both ends in the cell. */
 static void give_opposites(const cell_work *w, const bvxi_corner_triangle *from, bvxi_corner_triangle *to)
 {
     for (int k = 0; k < 3; k++)
-        if (from->vertex[(k + 1) % 3] < w->own && from->vertex[(k + 2) % 3] < w->own)
+        if (is_no_others(w, from->vertex[(k + 1) % 3]) && is_no_others(w, from->vertex[(k + 2) % 3]))
             to->opposite[k] =
                 (int32_t)(w->list[from->opposite[k] >> 2] << 2) + (from->opposite[k] & 3);
 }
@@ -452,7 +501,7 @@ static void give_back(const cell_work *w)
         if (!w->locked[i]) whole->at[vertex[i]] = m->at[i];
         whole->facing[vertex[i]] = m->facing[i];
     }
-    for (uint64_t i = 0; i < m->triangles; i++) {
+    for (uint64_t i = 0; i < m->triangles + m->ghosts; i++) {
         const bvxi_corner_triangle *const from = &m->triangle[i];
         bvxi_corner_triangle *const to = &whole->triangle[w->list[i]];
 
@@ -460,7 +509,8 @@ static void give_back(const cell_work *w)
             to->vertex[0] = BVXI_VERTEX_NONE;
             continue;
         }
-        for (int k = 0; k < 3 && i < w->cell->inside; k++) to->vertex[k] = vertex[from->vertex[k]];
+        for (int k = 0; k < 3 && w->round->place[w->list[i]] != UINT32_MAX; k++)
+            if (from->vertex[k] != BVXI_VERTEX_GHOST) to->vertex[k] = vertex[from->vertex[k]];
         give_opposites(w, from, to);
     }
 }
@@ -522,11 +572,13 @@ static bvx_status run_round(cell_round *r, double from, double to)
     r->dearest = middle_cost(c, r->place);
     make_cells(r);
     list_by_cells(r, 0);
+    list_ghosts(r, 0);
     size_lists(r);
     if (r->listed > r->list_room) return BVX_OK;
     list_by_cells(r, 1);
+    list_ghosts(r, 1);
 
-    r->worker_bytes = whole_lines(worker_bytes_for(r->vertex_room, r->triangle_room));
+    r->worker_bytes = whole_lines(worker_bytes_for(r->vertex_room, r->triangle_room, r->ghost_room));
     memory_bytes = r->worker_bytes * (uint64_t)bvxi_threads(c->ctx);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, memory_bytes, "the cells that collapse", &r->memory));
     status = bvxi_parallel(c->ctx, "collapse", from, to, (int32_t)r->cells, collapse_one_cell, r);
@@ -545,7 +597,7 @@ static int lay_out_round(cell_round *r)
     uint64_t const vertices = c->mesh.vertices, cells = vertices / (CELL_VERTICES / 8) + 1;
     uint64_t const vertex_bytes = whole_lines(vertices * 4);
     uint64_t const bytes = whole_lines(vertices * sizeof *r->step) + 4 * vertex_bytes +
-                           whole_lines(c->mesh.triangles * 4) +
+                           whole_lines((c->mesh.triangles + c->mesh.ghosts) * 4) +
                            whole_lines(2 * cells * sizeof *r->node) + whole_lines(cells * sizeof *r->cell);
     unsigned char *memory = c->chunks;
 
@@ -556,7 +608,7 @@ static int lay_out_round(cell_round *r)
     r->other = (uint32_t *)(void *)take_room(&memory, vertex_bytes);
     r->rank = (uint32_t *)(void *)take_room(&memory, vertex_bytes);
     r->cell_of = (uint32_t *)(void *)take_room(&memory, vertex_bytes);
-    r->place = (uint32_t *)(void *)take_room(&memory, c->mesh.triangles * 4);
+    r->place = (uint32_t *)(void *)take_room(&memory, (c->mesh.triangles + c->mesh.ghosts) * 4);
     r->node = (cell_node *)(void *)take_room(&memory, 2 * cells * sizeof *r->node);
     r->cell = (collapse_cell *)(void *)take_room(&memory, cells * sizeof *r->cell);
     r->list = (uint32_t *)(void *)memory;

@@ -345,8 +345,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
     uint64_t begun, collapsed = c->counts.collapsed;
     bvxi_queue_entry entry;
 
-    /* Cells know nothing of ghosts. */
-    if (c->mesh.ghosts == 0 && c->mesh.left > COLLAPSE_FAR * target && c->mesh.left > COLLAPSE_NEAR) {
+    if (c->mesh.left > COLLAPSE_FAR * target && c->mesh.left > COLLAPSE_NEAR) {
         BVXI_TRY(bvxi_collapse_cells(c, target, from, 0.5 * (from + to)));
         from = 0.5 * (from + to);
     }

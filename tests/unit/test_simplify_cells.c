@@ -86,6 +86,42 @@ static void test_cells_do_not_see_the_order_of_the_input(void)
     assert_same_bytes(&level[0], &level[1]);
 }
 
+/* ---- Borders ---- */
+
+/* Without the triangles near many points of a star: borders in every cell, some of one triangle's length, some of many. */
+static void make_open(int32_t rings, int32_t segments)
+{
+    size_t kept = 0;
+    make_star(rings, segments, 0.002);
+    for (size_t t = 0; t < mesh.triangles; t++) {
+        const double *const p = mesh.p + 3 * mesh.t[3 * t];
+        double const x = p[0] * 2 - floor(p[0] * 2), y = p[1] * 2 - floor(p[1] * 2);
+        if (x * x + y * y < 0.1 || t % 977 == 0) continue;
+        memmove(mesh.t + 3 * kept++, mesh.t + 3 * t, 3 * sizeof *mesh.t);
+    }
+    mesh.triangles = kept;
+}
+
+/* Borders, pieces and handles stay as they are in the mesh whose triangles all stay. */
+static void test_open_meshes_keep_borders_in_cells(void)
+{
+    static const uint64_t targets[3] = {1000000, 8000, 4000};
+    bvx_simplify_options const o = options_for(targets);
+    const bvx_certificate *const before = &report[0].certificate;
+    make_open(120, 160);
+    simplify(ctx, &o, 3, level);
+    TEST_ASSERT_TRUE(before->triangles > 24000 && before->boundary_edges > 1000);
+    for (int i = 0; i < 3; i++) {
+        const bvx_certificate *const c = &report[i].certificate;
+        snprintf(where, sizeof where, "level %d of %d triangles, %d border edges", i, (int)level[i].triangle_count, (int)c->boundary_edges);
+        TEST_ASSERT_TRUE_MESSAGE(c->edge_manifold && c->vertex_manifold && c->oriented && report[i].met, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(before->components, c->components, where);
+        TEST_ASSERT_EQUAL_INT64_MESSAGE(before->euler, c->euler, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, report[i].crossings, where);
+    }
+    TEST_ASSERT_TRUE_MESSAGE(report[2].certificate.boundary_edges < before->boundary_edges / 2, where);
+}
+
 /* ---- Threads ---- */
 
 typedef struct backwards {
@@ -129,13 +165,17 @@ static void test_threads_and_the_order_of_cells_do_not_matter(void)
 {
     static const uint64_t target = 6000;
     bvx_simplify_options const o = options_for(&target);
-    make_hollow(100, 120);
-    simplify(ctx, &o, 1, &level[0]);
-    for (int32_t threads = 2; threads <= MOST_THREADS; threads += threads == 2 ? 1 : 4)
-        for (int backward = 0; backward < 2; backward++) {
-            snprintf(where, sizeof where, "%d threads, backwards %d", (int)threads, backward);
-            simplify_on(threads, backward, target, &level[0]);
-        }
+    for (int open = 0; open < 2; open++) {
+        if (open) make_open(100, 150);
+        else make_hollow(100, 120);
+        drop_levels();
+        simplify(ctx, &o, 1, &level[0]);
+        for (int32_t threads = 2; threads <= MOST_THREADS; threads += threads == 2 ? 1 : 4)
+            for (int backward = 0; backward < 2; backward++) {
+                snprintf(where, sizeof where, "%d threads, backwards %d, open %d", (int)threads, backward, open);
+                simplify_on(threads, backward, target, &level[0]);
+            }
+    }
 }
 
 /* Without this the tests above would hold for a collapse that has no cells. */
@@ -147,6 +187,9 @@ static void test_large_meshes_run_cells_and_small_ones_do_not(void)
     make_star(120, 150, 0);
     large = simplify_on(2, 1, 2000, NULL);
     TEST_ASSERT_TRUE(large >= small + 8);
+    make_open(120, 150);
+    large = simplify_on(2, 1, 2000, NULL);
+    TEST_ASSERT_TRUE(large >= small + 8);
 }
 
 int main(void)
@@ -155,6 +198,7 @@ int main(void)
     RUN_TEST(test_cells_keep_the_guarantee);
     RUN_TEST(test_thin_walls_do_not_cross);
     RUN_TEST(test_cells_do_not_see_the_order_of_the_input);
+    RUN_TEST(test_open_meshes_keep_borders_in_cells);
     RUN_TEST(test_threads_and_the_order_of_cells_do_not_matter);
     RUN_TEST(test_large_meshes_run_cells_and_small_ones_do_not);
     return UNITY_END();
