@@ -2172,7 +2172,7 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  * points that follow it.
  * Memory: at most 160 bytes a triangle and 24 a border edge, and 300 KB; of more than 20,000 triangles about 1.3 MB more for each
  * thread. Cost: O(triangles), some microseconds for each that goes; threads share what is further than three times the target from
- * it, of closed meshes.
+ * it.
  * Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; Liu, Rahimzadeh, Zordan. Controlling
  * Quadric Error Simplification with Line Quadrics. 2025; borders closed by a ghost after Dey, Edelsbrunner, Guha, Nekhayev.
  * Topology preserving edge contraction. 1999.

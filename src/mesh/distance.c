@@ -6,7 +6,7 @@
  * a counter, so samples do not depend on each other. The closest point of the other mesh is exact up to rounding.
  * Blocks of samples, whose number follows from n alone, are summed apart and added in order: threads never show.
  * Source of the counter's mixing: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators. 2014. */
-#include "mesh/closest.h"
+#include "mesh/distance.h"
 #include "mesh/facet.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
@@ -185,26 +185,41 @@ static bvx_status require_area(bvx_context *ctx, const char *function, const bvx
     return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no triangle has an area", function);
 }
 
-static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_side *a, const distance_side *b,
+void bvxi_distance_forget(bvx_context *ctx, bvxi_distance_tree *kept)
+{
+    if (kept->built) bvxi_closest_free(ctx, &kept->tree);
+    kept->built = 0;
+}
+
+static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, double scale, bvxi_distance_tree *kept)
+{
+    if (kept->built && kept->tree.scale == scale) return BVX_OK;
+    bvxi_distance_forget(ctx, kept);
+    BVXI_TRY(bvxi_closest_build(ctx, "distance", 0.0, 0.1, a->view, a->low, a->high, scale, &kept->tree));
+    kept->built = 1;
+    return BVX_OK;
+}
+
+static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_side *a, bvxi_distance_tree *kept, const distance_side *b,
                                              double scale, uint64_t samples, uint64_t seed,
                                              bvx_distance_report *report)
 {
     uint64_t const key_a = distance_mix(seed), key_b = distance_mix(key_a + 1);
-    bvxi_closest_tree tree_a, tree_b;
+    const bvxi_closest_tree *const tree_a = &kept->tree;
+    bvxi_closest_tree tree_b;
     distance_way ab, ba;
     bvx_status status;
-    BVXI_TRY(bvxi_closest_build(ctx, "distance", 0.0, 0.1, a->view, a->low, a->high, scale, &tree_a));
+    BVXI_TRY(build_kept_tree(ctx, a, scale, kept));
     status = bvxi_closest_build(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale, &tree_b);
-    if (status == BVX_OK) status = measure_distance_one_way(ctx, &tree_a, &tree_b, samples, key_a, 0.2, &ab);
-    if (status == BVX_OK) status = measure_distance_one_way(ctx, &tree_b, &tree_a, samples, key_b, 0.6, &ba);
+    if (status == BVX_OK) status = measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab);
+    if (status == BVX_OK) status = measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba);
     if (status == BVX_OK) make_distance_report(&ab, &ba, samples, seed, report);
     bvxi_closest_free(ctx, &tree_b);
-    bvxi_closest_free(ctx, &tree_a);
     return status;
 }
 
-static bvx_status run_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
-                                    uint64_t samples, uint64_t seed, bvx_distance_report *report)
+bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi_distance_tree *kept, const bvx_mesh_view *b,
+                              uint64_t samples, uint64_t seed, bvx_distance_report *report)
 {
     static const char *const function_a = "bvx_mesh_distance, mesh a", *const function_b = "bvx_mesh_distance, mesh b";
     distance_side side_a, side_b;
@@ -223,11 +238,14 @@ static bvx_status run_mesh_distance(bvx_context *context, const bvx_mesh_view *a
     scale = distance_scale(&side_a, &side_b);
     BVXI_TRY(require_area(context, function_a, a, scale));
     BVXI_TRY(require_area(context, function_b, b, scale));
-    return measure_distance_both_ways(context, &side_a, &side_b, scale, samples, seed, report);
+    return measure_distance_both_ways(context, &side_a, kept, &side_b, scale, samples, seed, report);
 }
 
 bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, uint64_t samples,
                              uint64_t seed, bvx_distance_report *report)
 {
-    return BVXI_CALL(context, run_mesh_distance(context, a, b, samples, seed, report));
+    bvxi_distance_tree tree = {.built = 0};
+    bvx_status const status = BVXI_CALL(context, bvxi_mesh_distance(context, a, &tree, b, samples, seed, report));
+    if (tree.built) bvxi_distance_forget(context, &tree);
+    return status;
 }

@@ -157,7 +157,7 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
 
     bvx_mesh_view_of(fine, &view);
     BVXI_TRY(bvxi_collapse_open(ctx, lod_name, &view, &options, &collapse));
-    status = bvxi_collapse_to(collapse, target, 0.0, 1.0);
+    status = bvxi_collapse_to(collapse, target, target, 0.0, 1.0);
     if (status == BVX_OK && bvxi_collapse_triangles(collapse) > target)
         status = bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; collapsing its %u ends at %u", lod_name,
                            job->level, target, fine->triangle_count, bvxi_collapse_triangles(collapse));

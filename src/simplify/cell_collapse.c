@@ -616,7 +616,12 @@ static int lay_out_round(cell_round *r)
     return 1;
 }
 
-bvx_status bvxi_collapse_cells(bvxi_collapse *c, uint64_t target, double from, double to)
+int bvxi_collapse_is_far(const bvxi_collapse *c, uint64_t target, uint64_t level)
+{
+    return (c->mesh.left + COLLAPSE_FAR - 1) / COLLAPSE_FAR > level && c->mesh.left > COLLAPSE_NEAR && c->mesh.left - c->mesh.left / 5 > target;
+}
+
+bvx_status bvxi_collapse_cells(bvxi_collapse *c, uint64_t target, uint64_t level, double from, double to)
 {
     cell_round r = {.whole = c};
 
@@ -626,7 +631,7 @@ bvx_status bvxi_collapse_cells(bvxi_collapse *c, uint64_t target, double from, d
         uint64_t const before = c->mesh.left;
         double const middle = 0.5 * (from + to);
 
-        if (before <= COLLAPSE_FAR * target || before <= COLLAPSE_NEAR || !lay_out_round(&r)) break;
+        if (!bvxi_collapse_is_far(c, target, level) || !lay_out_round(&r)) break;
         BVXI_TRY(run_round(&r, from, middle));
         from = middle;
         if (before - c->mesh.left < before / 16) break;

@@ -340,13 +340,13 @@ static void pack_collapse(bvxi_collapse *c)
     c->packed = m->left;
 }
 
-bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, double to)
+bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, double from, double to)
 {
     uint64_t begun, collapsed = c->counts.collapsed;
     bvxi_queue_entry entry;
 
-    if (c->mesh.left > COLLAPSE_FAR * target && c->mesh.left > COLLAPSE_NEAR) {
-        BVXI_TRY(bvxi_collapse_cells(c, target, from, 0.5 * (from + to)));
+    if (bvxi_collapse_is_far(c, target, level)) {
+        BVXI_TRY(bvxi_collapse_cells(c, target, level, from, 0.5 * (from + to)));
         from = 0.5 * (from + to);
     }
     begun = c->mesh.left;

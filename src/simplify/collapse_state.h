@@ -8,8 +8,8 @@
 #include "simplify/star.h"
 
 enum {
-    /* While more than so many times the target are left, and more triangles than are worth the trouble, cells
-     * collapse on their own. */
+    /* While more than so many times the level are left, more triangles than are worth the trouble, and a quarter more than the target,
+     * cells collapse on their own. */
     COLLAPSE_FAR = 3,
     COLLAPSE_NEAR = 20000
 };
@@ -41,8 +41,10 @@ int32_t bvxi_collapse_bucket(const bvxi_collapse *c, int32_t corner);
 /* Collapse an edge where that is safe, else put it back among those that cost four times as much. */
 void bvxi_collapse_try(bvxi_collapse *c, bvxi_queue_entry *entry);
 
-/* cell_collapse.c: collapse cheap edges within cells of space until at most COLLAPSE_FAR times the target are
- * left, or hardly any is cheap. The mesh is packed then; boxes and queue are not set. */
-bvx_status bvxi_collapse_cells(bvxi_collapse *c, uint64_t target, double from, double to);
+/* 1 while cells collapse on their own. */
+int bvxi_collapse_is_far(const bvxi_collapse *c, uint64_t target, uint64_t level);
+/* cell_collapse.c: collapse cheap edges within cells of space until the mesh is near a level or a target, or
+ * hardly any is cheap. The mesh is packed then; boxes and queue are not set. */
+bvx_status bvxi_collapse_cells(bvxi_collapse *c, uint64_t target, uint64_t level, double from, double to);
 
 #endif

@@ -65,13 +65,13 @@ static uint64_t target_of(const bvxi_level_chain *c, uint64_t i)
 
 /* ---- Measures ---- */
 
-static bvx_status measure_level(bvx_context *ctx, const bvxi_level_chain *c, const bvx_mesh *level,
+static bvx_status measure_level(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh *level,
                                 uint64_t samples, bvx_distance_report *d)
 {
     bvx_mesh_view view;
 
     bvx_mesh_view_of(level, &view);
-    return bvx_mesh_distance(ctx, c->original, &view, samples, LEVEL_SEED, d);
+    return bvxi_mesh_distance(ctx, c->original, &c->kept, &view, samples, LEVEL_SEED, d);
 }
 
 /* The smallest angle of all triangles, from the dot and the cross product of the two sides at each corner. */
@@ -142,7 +142,7 @@ static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *
 {
     uint64_t const target = target_of(c, i);
 
-    BVXI_TRY(bvxi_collapse_to(collapse, target, 0.0, 1.0));
+    BVXI_TRY(bvxi_collapse_to(collapse, target, target, 0.0, 1.0));
     *met = bvxi_collapse_triangles(collapse) <= target;
     return bvxi_collapse_give(collapse, &c->levels[i]);
 }
@@ -189,11 +189,12 @@ static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mes
     return BVX_OK;
 }
 
-/* The last mesh on the way down that keeps the error of level i; the first one where none does. */
+/* The last mesh on the way down that keeps the error of level i; the first one where none does. Errors grow about as triangles become
+ * fewer, so the level is far while its share of the triangles is small. */
 static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                 bvx_mesh *found, int *met)
 {
-    uint64_t before;
+    uint64_t before, level;
     double part, rest = 1.0; /* of the progress, for tries whose number is not known */
 
     *met = 0;
@@ -208,7 +209,8 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         *met = part <= 1;
 
         before = bvxi_collapse_triangles(collapse);
-        BVXI_TRY(bvxi_collapse_to(collapse, next_try(before, part), 1.0 - rest * 0.9, 1.0 - rest * 0.7));
+        level = part < 1 ? (uint64_t)((double)before * part) : before;
+        BVXI_TRY(bvxi_collapse_to(collapse, next_try(before, part), level, 1.0 - rest * 0.9, 1.0 - rest * 0.7));
         rest *= 0.7;
     } while (part <= 1 && bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
@@ -254,6 +256,7 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
 
         status = BVXI_SHARE(ctx, 0.1 + share * (double)i, 0.1 + share * (double)(i + 1), make_level(ctx, c, i, collapse));
     }
+    bvxi_distance_forget(ctx, &c->kept);
     bvxi_collapse_close(collapse);
     if (status != BVX_OK) bvxi_levels_drop(ctx, c->levels, c->count);
     return status;

@@ -2,6 +2,7 @@
 #ifndef BVXI_LEVELS_H
 #define BVXI_LEVELS_H
 
+#include "mesh/distance.h"
 #include "simplify/simplify.h"
 
 /* What the levels of a chain are to be: options of bvx_mesh_simplify and bvx_build_levels, checked. */
@@ -17,6 +18,7 @@ typedef struct bvxi_level_chain {
     uint64_t count;
     bvx_mesh *levels;
     bvx_level_report *reports; /* or NULL */
+    bvxi_distance_tree kept;   /* the original's, from the first measure to the last level */
 } bvxi_level_chain;
 
 /* Refuse options that say too much, or nothing that can be. */

@@ -30,9 +30,10 @@ typedef struct bvxi_collapse_counts {
  * triangle and 300 KB, until bvxi_collapse_close. */
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                               const bvxi_collapse_options *options, bvxi_collapse **collapse);
-/* Collapse the cheapest edges until at most target triangles are left or none can go. from, to: share of
- * progress. Far from the target of a large mesh in parallel, with about 1.3 MB of scratch a thread. */
-bvx_status bvxi_collapse_to(bvxi_collapse *collapse, uint64_t target, double from, double to);
+/* Collapse the cheapest edges until at most target triangles are left or none can go. level: how many the level will have, about, that
+ * this leads to; of a large mesh that is far from it edges go in parallel, with about 1.3 MB of scratch a thread, which may leave fewer
+ * than target. from, to: share of progress. */
+bvx_status bvxi_collapse_to(bvxi_collapse *collapse, uint64_t target, uint64_t level, double from, double to);
 /* The mesh as it is now, opened as by bvxi_mesh_open. */
 bvx_status bvxi_collapse_give(bvxi_collapse *collapse, bvx_mesh *level);
 uint64_t bvxi_collapse_triangles(const bvxi_collapse *collapse);

@@ -105,7 +105,7 @@ static void make_open(int32_t rings, int32_t segments)
 /* Borders, pieces and handles stay as they are in the mesh whose triangles all stay. */
 static void test_open_meshes_keep_borders_in_cells(void)
 {
-    static const uint64_t targets[3] = {1000000, 8000, 4000};
+    static const uint64_t targets[3] = {UINT64_MAX / 3 + 1, 8000, 4000};
     bvx_simplify_options const o = options_for(targets);
     const bvx_certificate *const before = &report[0].certificate;
     make_open(120, 160);
@@ -178,6 +178,44 @@ static void test_threads_and_the_order_of_cells_do_not_matter(void)
     }
 }
 
+/* Errors are kept by levels that cells lead to, and no larger level keeps less: the same for every number of threads. */
+static void test_levels_by_error_run_cells(void)
+{
+    static const double errors[2] = {0.02, 0.1};
+    bvx_mesh one[2] = {{0}};
+    bvx_mesh_view view;
+    make_star(130, 160, 0);
+    view = maker_view(&mesh);
+    for (int32_t threads = 1; threads <= 8; threads += threads < 3 ? 1 : 5) {
+        backwards b = {threads, 0};
+        bvx_context_options c;
+        bvx_context *other;
+        bvx_simplify_options o;
+        bvx_context_options_init(&c, sizeof c);
+        c.threads = threads;
+        if (threads > 1) {
+            c.parallel = run_backwards;
+            c.parallel_user = &b;
+        }
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
+        bvx_simplify_options_init(&o, sizeof o);
+        o.target_errors = errors;
+        o.measure_samples = 2000;
+        o.reports = report;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(other, &view, &o, 2, one));
+        for (int i = 0; i < 2; i++) {
+            snprintf(where, sizeof where, "%d threads, level %d of %d triangles, error %g", (int)threads, i, (int)one[i].triangle_count,
+                     report[i].distance.mean);
+            TEST_ASSERT_TRUE_MESSAGE(report[i].met && report[i].distance.mean <= errors[i] && report[i].distance.mean > 0.5 * errors[i], where);
+            TEST_ASSERT_TRUE_MESSAGE(report[i].crossings == 0 && report[i].certificate.closed && one[i].triangle_count < 3000, where);
+            if (threads == 1 && i == 0) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 2, level));
+            assert_same_bytes(&level[i], &one[i]);
+            bvx_mesh_free(other, &one[i]);
+        }
+        bvx_context_destroy(other);
+    }
+}
+
 /* Without this the tests above would hold for a collapse that has no cells. */
 static void test_large_meshes_run_cells_and_small_ones_do_not(void)
 {
@@ -200,6 +238,7 @@ int main(void)
     RUN_TEST(test_cells_do_not_see_the_order_of_the_input);
     RUN_TEST(test_open_meshes_keep_borders_in_cells);
     RUN_TEST(test_threads_and_the_order_of_cells_do_not_matter);
+    RUN_TEST(test_levels_by_error_run_cells);
     RUN_TEST(test_large_meshes_run_cells_and_small_ones_do_not);
     return UNITY_END();
 }
