@@ -1888,6 +1888,14 @@ enum {
     BVX_CROSSINGS_CLASSIC = 2  /**< by interpolated distances alone: marching cubes */
 };
 
+/** What is blended between two sections whose loops lie in each other. */
+enum {
+    BVX_NESTING_LEVELS = 0, /**< each level apart, and cut out of the one around it: outer loops, the holes in them, the islands in these.
+                                 A wall stays a wall however far it is shifted. Holes that overlap no hole of the other section
+                                 are blended with what is around them */
+    BVX_NESTING_WHOLE = 1   /**< the sections as they are: a wall that shares no area with the next section's gets windows */
+};
+
 enum { BVX_SECTIONS_LOCATED = 16, BVX_LABEL_ONLY = -2147483647 - 1 };
 
 /** What was found and done. */
@@ -1919,7 +1927,9 @@ typedef struct bvx_sections_report {
     double unkept[16][3];     /**< the first BVX_SECTIONS_LOCATED of them [Units: world] */
     uint64_t crossed_cells;   /**< cells whose triangles cross each other, looked for in those of up to 64: some where edges are unkept,
                                    hardly any else. In the paper's way triangles of neighbouring cells cross too, uncounted */
-    uint64_t reserved[7];
+    uint64_t nested_slabs;    /**< pairs of neighbouring sections that were blended level by level */
+    uint64_t joined_slabs;    /**< pairs that were not, since their levels would cross there: walls much thinner than a cell */
+    uint64_t reserved[5];
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {
@@ -1934,6 +1944,8 @@ typedef struct bvx_sections_options {
     int32_t label;         /**< the body [Default: BVX_LABEL_ONLY, the only one there is] */
     int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64 [Default: BVX_F64, which keeps the contours' points] */
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
+    int32_t nesting;       /**< BVX_NESTING_... [Default: BVX_NESTING_LEVELS] */
+    int32_t reserved;
 } bvx_sections_options;
 
 BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);
@@ -1947,7 +1959,9 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  * both sides of the plane use the same ones. Where an edge is crossed more than once, or a loop lies inside one cell, cells are
  * subdivided up to depth times; what is still so is counted and located, and the surface is closed there too. Between
  * planes the field is the linear blend of both sections' signed Euclidean distances, asked for only where the surface needs it.
- * On a face with four crossings the field at the point where the lines joining opposite crossings meet decides. A part ends half way
+ * On a face with four crossings the field at the point where the lines joining opposite crossings meet decides. Loops in loops are
+ * blended level by level (nesting): the levels' fields lie in each other as the loops do, so their surfaces do not cross; where they
+ * would all the same, which exact tests find, both sections are blended as they are. A part ends half way
  * to a section without loops; flat or open, one that has nothing in common with the next section ends where the blend says. Triangles
  * of a cell are chosen so that they do not cross, where that is found. The surface is oriented, edge- and vertex-manifold, and closed
  * but for open caps.
@@ -1959,10 +1973,10 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  * crosses or touches itself or another; two sections at one position; points off their plane: section, loop and point are named),
  * BVX_ERR_RANGE (not finite, a number beyond its array or the limits), BVX_ERR_ARGUMENT (also several labels and
  * none chosen), BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
- * Memory: about 150 bytes a contour point or crossing, 20 bytes a cell of one section, the mesh twice.
+ * Memory: about 150 bytes a contour point or crossing, those of levels twice more, 20 bytes a cell of one section, the mesh twice.
  * Cost: O(crossings log points + cells / 64 a section); layers multiply what is between sections.
  * Source: "surface modelling in section data fields" (3D surfaces from section contours), with crossings and connectivity on
- * section planes by the contour; Herman, Zheng, Bucholtz. Shape-based interpolation. 1992 (layers).
+ * section planes by the contour; Herman, Zheng, Bucholtz. Shape-based interpolation. 1992 (layers, nesting by level).
  */
 BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *options,
                                       bvx_mesh *mesh);

@@ -134,7 +134,7 @@ typedef struct cli_options {
     cli_list seeds;             /* three numbers each */
     const char *mesh;           /* the file of a surface's mesh */
     int32_t connectivity;
-    int32_t layers, caps, crossings, subdivide, label; /* sections */
+    int32_t layers, caps, nesting, crossings, subdivide, label; /* sections */
     const char *block_model;
     cli_triple block;
     double close_gap;           /* between the ends of a contour */

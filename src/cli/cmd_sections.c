@@ -86,6 +86,7 @@ static int build_body(cli_run *run, sections_job *job)
     if (cli_given(run, "--subdivide")) s.depth = o->subdivide;
     if (cli_given(run, "--label")) s.label = o->label;
     s.caps = o->caps;
+    s.nesting = o->nesting;
     s.crossings = o->crossings;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
@@ -219,6 +220,9 @@ static void say_body(cli_run *run, const sections_job *job)
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_say(run, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
     if (r->crossed_cells != 0) cli_say(run, "  crossed     in %" PRIu64 " cells triangles cross each other\n", r->crossed_cells);
+    if (r->nested_slabs + r->joined_slabs != 0)
+        cli_say(run, "  levels      %" PRIu64 " pairs of sections, outlines and holes each for themselves; %" PRIu64 " as a whole, where these would cross\n",
+                r->nested_slabs, r->joined_slabs);
     cli_say(run, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances, r->samples,
             r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
     cli_tell_reduction(run, &job->reduction);
@@ -253,6 +257,8 @@ static void report_body(cli_run *run, const sections_job *job)
     cli_json_count(t, "unkept_loops", r->unkept_loops);
     cli_json_count(t, "unkept_points", r->unkept_points);
     cli_json_count(t, "crossed_cells", r->crossed_cells);
+    cli_json_count(t, "nested_slabs", r->nested_slabs);
+    cli_json_count(t, "joined_slabs", r->joined_slabs);
     cli_text_add(t, ", \"unkept\": [");
     for (uint64_t i = 0; i < r->located; i++) {
         cli_text_add(t, i == 0 ? "[" : ", [");
@@ -286,6 +292,9 @@ static void warn_of_body(cli_run *run, const sections_job *job)
     if (r->unkept_edges + r->unkept_loops != 0)
         cli_warn(run, "%" PRIu64 " edges and %" PRIu64 " loops are too fine for the cells: what joins them to the next section is a "
                  "guess%s", r->unkept_edges, r->unkept_loops, depth < DEEPEST ? "; take --subdivide 8" : "");
+    if (r->joined_slabs != 0)
+        cli_warn(run, "between %" PRIu64 " pairs of sections walls are too thin for the cells and may have windows; take a finer --grid",
+                 r->joined_slabs);
     if (run->options.caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
         cli_warn(run, "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no area with one of "
                  "the next section do not join it; sections that lie closer together do", job->volume / r->prismoid_volume,

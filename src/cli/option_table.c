@@ -58,6 +58,7 @@ static const char *const distance_names[] = {"outside", "inside", "signed", NULL
 static const char *const beyond_names[] = {"nothing", "empty", "set", NULL}; /* by BVX_BEYOND_... */
 static const char *const auto_names[] = {"auto", NULL};
 static const char *const caps_names[] = {"flat", "taper", "open", NULL};
+static const char *const nesting_names[] = {"levels", "whole", NULL};
 static const char *const crossings_names[] = {"exact", "paper", "classic", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
 static const char *const thin_names[] = {"shell", "keep", "drop", NULL};
@@ -197,6 +198,8 @@ static const cli_argument arguments[] = {
     WHOLE("--layers", "N", CLI_SECTIONS, layers, 1, 64, "layers of cells from section to section [1]"),
     CHOICE("--caps", "HOW", CLI_SECTIONS, caps, caps_names, BVX_CAPS_FLAT,
            "the ends: flat on the first and last section; taper: each part to a\nridge half a spacing beyond, also those that end in between; open [flat]"),
+    CHOICE("--nesting", "HOW", CLI_SECTIONS, nesting, nesting_names, BVX_NESTING_LEVELS,
+           "loops in loops between two sections: levels, outlines and holes each\nfor themselves, so that walls have no windows; whole, both at\nonce [levels]"),
     CHOICE("--crossings", "HOW", CLI_SECTIONS, crossings, crossings_names, BVX_CROSSINGS_EXACT,
            "on the sections' planes: exact, by the contours themselves; paper, by\ninterpolated distances with the contours' points put in; classic,\nmarching cubes [exact]"),
     FLAG("--crossings", CLI_INFO, count_crossings, "also count the pairs of triangles that cross or touch beyond what they\nshare; of meshes"),

@@ -21,7 +21,7 @@ static bvx_status own_cuts(bvxi_stack *s, bvxi_plane *p, uint32_t room)
     return BVX_OK;
 }
 
-bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line, uint32_t *number)
+static bvx_status add_own_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line, uint32_t *number)
 {
     bvxi_line_cut *c;
     if (p->cut_count == p->cut_room) {
@@ -36,6 +36,19 @@ bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
     c->axis = axis;
     c->line = line;
     c->ring = BVXI_NONE;
+    return BVX_OK;
+}
+
+/* Crossings of a nesting level are its section's: one ring holds them all. */
+bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line, uint32_t *number)
+{
+    bvxi_plane *const whole = p->whole;
+
+    if (whole == NULL) return add_own_cut(s, p, segment, axis, line, number);
+
+    BVXI_TRY(add_own_cut(s, whole, segment, axis, line, number));
+    p->cut = whole->cut;
+    p->cut_count = whole->cut_count;
     return BVX_OK;
 }
 
@@ -182,7 +195,7 @@ static int side_of_cell(const bvxi_stack *s, const bvxi_line_cut *c, uint32_t ke
 }
 
 /* Sides of arcs, and the cells that ask for subdivision. */
-static void look_at_cells(const bvxi_stack *s, bvxi_plane *p)
+void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
 {
     uint32_t sides = 0;
     int asks = 0;
@@ -218,7 +231,7 @@ uint32_t bvxi_plane_arcs_in(const bvxi_plane *p, uint32_t key, uint32_t *count)
     return low;
 }
 
-static void fill_rows(const bvxi_stack *s, uint64_t *inside)
+void bvxi_plane_fill_rows(const bvxi_stack *s, uint64_t *inside)
 {
     for (int32_t j = 0; j <= s->size[1]; j++) {
         uint64_t *const row = inside + (size_t)j * (size_t)s->words;
@@ -242,8 +255,8 @@ void bvxi_plane_cut(bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *scratc
     for (uint32_t i = 0; i < p->contour_count; i++) walk_loop(&w, &p->contour[i]);
     p->grid_cut_count = p->cut_count;
     sort_arcs(s, p, scratch);
-    look_at_cells(s, p);
-    fill_rows(s, p->inside);
+    bvxi_plane_look_at_cells(s, p);
+    bvxi_plane_fill_rows(s, p->inside);
 }
 
 double bvxi_plane_area(const bvxi_stack *s, const bvxi_plane *p)

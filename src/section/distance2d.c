@@ -12,14 +12,19 @@ enum { DISTANCE_STACK = 64 };
 
 #define DISTANCE_ROUNDING 4e-12
 
+static inline uint32_t segment_at(const bvxi_plane *p, uint32_t i)
+{
+    return p->segment == NULL ? i : p->segment[i];
+}
+
 static void fill_group(bvxi_plane *p, uint32_t leaf, double box[4])
 {
     uint32_t const first = leaf * BVXI_SEGMENT_GROUP;
     box[0] = box[1] = 1e300;
     box[2] = box[3] = -1e300;
-    if (first >= p->point_count) return;
+    if (first >= p->segment_count) return;
     for (uint32_t n = 0; n < BVXI_SEGMENT_GROUP; n++) {
-        uint32_t const i = first + n < p->point_count ? first + n : first; /* the last group repeats its first segment */
+        uint32_t const i = segment_at(p, first + n < p->segment_count ? first + n : first); /* the last group repeats its first */
         const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
         bvxi_segment_group *const g = &p->group[leaf];
         g->u[n] = a[0];
@@ -47,7 +52,8 @@ void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes)
 void bvxi_plane_tree(bvxi_plane *p)
 {
     uint64_t groups, boxes;
-    bvxi_plane_tree_size(p->point_count, &groups, &boxes);
+    if (p->segment == NULL) p->segment_count = p->point_count;
+    bvxi_plane_tree_size(p->segment_count, &groups, &boxes);
     p->leaf_count = (uint32_t)(boxes / 2);
     for (uint32_t i = 0; i < p->leaf_count; i++) fill_group(p, i, p->box[p->leaf_count + i]);
     for (uint32_t i = p->leaf_count; i-- > 1;)
@@ -57,7 +63,7 @@ void bvxi_plane_tree(bvxi_plane *p)
             p->box[i][k + 2] = a[k + 2] > b[k + 2] ? a[k + 2] : b[k + 2];
         }
     p->slack = 0.0;
-    for (int k = 0; k < 2 && p->point_count != 0; k++) p->slack += (p->box[1][k + 2] - p->box[1][k]) * (p->box[1][k + 2] - p->box[1][k]);
+    for (int k = 0; k < 2 && p->segment_count != 0; k++) p->slack += (p->box[1][k + 2] - p->box[1][k]) * (p->box[1][k + 2] - p->box[1][k]);
     p->slack *= DISTANCE_ROUNDING * DISTANCE_ROUNDING;
 }
 
@@ -134,7 +140,7 @@ double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hi
 {
     uint32_t node;
     double best;
-    if (*hint >= p->point_count) *hint = 0;
+    if (*hint >= p->segment_count) *hint = 0;
     node = p->leaf_count + *hint / BVXI_SEGMENT_GROUP;
     best = nearest_in_group(p, node - p->leaf_count, u, v, 1e300, hint);
     for (; node > 1; node >>= 1)
@@ -160,10 +166,10 @@ double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *seg
             continue;
         }
         squares_of_group(&p->group[node - p->leaf_count], u, v, d);
-        for (uint32_t i = 0; i < BVXI_SEGMENT_GROUP && first + i < p->point_count; i++)
-            if (d[i] < best || (d[i] == best && first + i < *segment)) {
+        for (uint32_t i = 0; i < BVXI_SEGMENT_GROUP && first + i < p->segment_count; i++)
+            if (d[i] < best || (d[i] == best && segment_at(p, first + i) < *segment)) {
                 best = d[i];
-                *segment = first + i;
+                *segment = segment_at(p, first + i);
             }
     }
     return sqrt(best);
@@ -176,8 +182,9 @@ int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, do
     double const unit = (double)(1 << stack->fine);
     double const x = (u - stack->origin[0]) / stack->step[0] * unit, y = (v - stack->origin[1]) / stack->step[1] * unit;
     int64_t const qx = (int64_t)floor(x), qy = (int64_t)floor(y * 0.5) * 2;
-    int odd = 0;
-    for (uint32_t i = 0; i < p->point_count; i++) {
+    int odd = p->turned;
+    for (uint32_t n = 0; n < p->segment_count; n++) {
+        uint32_t const i = segment_at(p, n);
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
         int64_t s;
         if ((a[1] < qy) == (b[1] < qy)) continue;

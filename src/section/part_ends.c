@@ -127,15 +127,21 @@ static void measure_depths(ends_work *w, double *depth)
     }
 }
 
+void bvxi_plane_parts(const bvxi_plane *p, uint32_t *part)
+{
+    bvxi_plane_owners(p, part);
+    for (uint32_t c = 0; c < p->contour_count; c++)
+        if (!p->contour[c].hole || part[c] == BVXI_NONE) part[c] = c;
+}
+
 /* other: the section on that side, or NULL where there is none. */
 static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, double *depth)
 {
     bvxi_plane *const p = w->plane;
-    bvxi_plane_owners(p, w->owner);
+    bvxi_plane_parts(p, w->owner);
     w->other = other;
     w->left = w->hint = 0;
     for (uint32_t c = 0; c < p->contour_count; c++) {
-        if (!p->contour[c].hole || w->owner[c] == BVXI_NONE) w->owner[c] = c;
         w->met[c] = 0;
         depth[c] = 0.0;
         w->left += w->owner[c] == c;

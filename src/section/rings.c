@@ -1,7 +1,7 @@
 /* rings.c - the ring of each plane is what the cells above and below it share: the points and crossings of each loop one behind the
  * other, crossings of subdivided cells from above and below included, so an arc's vertices are a stretch of it whatever cells it was cut
  * for. Rings are the first vertices of the mesh, plane by plane; planes are gone over side by side, once to count and once to place. */
-#include "section/section.h"
+#include "section/nesting.h"
 
 enum { RINGS_GRAIN = 4096 };
 
@@ -59,8 +59,7 @@ static void number_ring(bvxi_plane *p, const uint32_t *start, const uint32_t *so
     p->ring_count = n;
 }
 
-/* Arcs as stretches of the ring. */
-static void set_ring_arcs(bvxi_plane *p)
+void bvxi_plane_ring_arcs(bvxi_plane *p)
 {
     for (uint32_t i = 0; i < p->arc_count; i++) {
         if (p->arc[i].from == BVXI_NONE) continue;
@@ -116,7 +115,7 @@ static void ring_count_piece(void *user, int32_t index, int32_t worker)
         uint32_t *const start = job->start + (p->ring - job->s->all.ring), *const sorted = job->sorted + job->first[i];
         sort_cuts(p, start, sorted);
         number_ring(p, start, sorted);
-        set_ring_arcs(p);
+        bvxi_plane_ring_arcs(p);
     }
 }
 
@@ -141,6 +140,10 @@ static bvx_status make_in_job(ring_job *job)
     }
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 24, "the vertices of a body", &s->mesh.position));
     s->mesh.vertex_room = s->mesh.vertex_count = vertices;
+    for (uint32_t i = 0; i < s->nesting.plane_count; i++) {
+        bvxi_nesting_refresh(&s->nesting.plane[i]);
+        bvxi_plane_ring_arcs(&s->nesting.plane[i]);
+    }
     return bvxi_parallel(s->ctx, "rings", 0.5, 1.0, job->pieces, ring_place_piece, job);
 }
 

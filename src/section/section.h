@@ -84,6 +84,11 @@ typedef struct bvxi_plane {
     double area;
     int lines;               /* of a cap: points are vertices, and their segments cross nothing */
     uint8_t ends[2];         /* some part ends below, above */
+    struct bvxi_plane *whole; /* of a nesting level (nesting.h): the section that it is a part of; else NULL */
+    const uint32_t *segment; /* the segments that distances and inside tests are taken from, ascending; NULL: all */
+    uint32_t segment_count;
+    int turned;              /* 1: what its loops enclose is outside: a level of holes */
+    uint64_t level_bytes;    /* of its own arrays, when it is a level */
 } bvxi_plane;
 
 /* A plane without loops, where a body begins or ends between sections. */
@@ -98,6 +103,15 @@ typedef struct bvxi_section_mesh {
     uint32_t *triangle;
     uint64_t vertex_count, vertex_room, triangle_count, triangle_room;
 } bvxi_section_mesh;
+
+/* Loops that are blended apart from those round them; see nesting.c. */
+typedef struct bvxi_nesting {
+    uint8_t *level[2];       /* [loops of all planes] each loop's level between its plane and the one above, and the one below */
+    uint8_t *count;          /* [planes] levels between a plane and the next one; 1: the sections are blended as they are */
+    uint8_t *joined;         /* [planes] 1: so because levels crossed there */
+    bvxi_plane *plane;       /* levels as planes of their own: below and above, level by level, from slab to slab */
+    uint32_t plane_count, plane_room;
+} bvxi_nesting;
 
 typedef struct bvxi_stack {
     bvx_context *ctx;
@@ -115,6 +129,7 @@ typedef struct bvxi_stack {
     bvxi_plane all;          /* arrays that the planes have stretches of */
     uint64_t cut_room, arc_room, group_room, box_room; /* of those arrays */
     bvxi_plane nothing;      /* a plane without loops: only its bits are there */
+    bvxi_nesting nesting;
     uint32_t slab_count;
     bvx_sections_options options;
     bvx_sections_report report;
@@ -160,6 +175,8 @@ bvx_status bvxi_planes_ready(bvxi_stack *stack);
 /* One plane, with messages; these are what planes are gone over again with when something is wrong. */
 bvx_status bvxi_plane_place(bvxi_stack *stack, bvxi_plane *plane, double low[2], double high[2]);
 void bvxi_plane_snap(const bvxi_stack *stack, bvxi_plane *plane);
+/* 1 when a loop encloses a point of none of its segments. */
+int bvxi_loop_contains(const bvxi_plane *plane, const bvxi_contour *contour, const int32_t *at);
 /* box: scratch, one a loop. */
 bvx_status bvxi_plane_direct(bvxi_stack *stack, bvxi_plane *plane, int32_t (*box)[4]);
 
@@ -203,6 +220,10 @@ void bvxi_plane_cut(bvxi_stack *stack, bvxi_plane *plane, const bvxi_arc_scratch
 uint32_t bvxi_plane_arcs_in(const bvxi_plane *plane, uint32_t key, uint32_t *count);
 /* A new crossing's number. */
 bvx_status bvxi_plane_add_cut(bvxi_stack *stack, bvxi_plane *plane, uint32_t segment, int32_t axis, int32_t line, uint32_t *number);
+/* Sides of arcs, and the cells that ask for subdivision; arcs are in order. */
+void bvxi_plane_look_at_cells(const bvxi_stack *stack, bvxi_plane *plane);
+/* Bits at which a row's parity changes, into the bits inside. */
+void bvxi_plane_fill_rows(const bvxi_stack *stack, uint64_t *inside);
 /* The area inside, by the trapezoid rule about the bounds' corner. */
 double bvxi_plane_area(const bvxi_stack *stack, const bvxi_plane *plane);
 
@@ -210,6 +231,8 @@ double bvxi_plane_area(const bvxi_stack *stack, const bvxi_plane *plane);
 
 /* Number points and cuts of each plane along its loops, one number for cuts that are one; they become the first vertices of the mesh. */
 bvx_status bvxi_rings_make(bvxi_stack *stack);
+/* Arcs as stretches of a ring whose crossings are numbered. */
+void bvxi_plane_ring_arcs(bvxi_plane *plane);
 
 /* ---- distance2d.c ---- */
 
@@ -227,6 +250,8 @@ int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *plane, double u
 /* ---- part_ends.c: parts that end before the next section ---- */
 
 bvx_status bvxi_stack_ends(bvxi_stack *stack);
+/* The outer loop of each loop's part: its own number, or round a hole. */
+void bvxi_plane_parts(const bvxi_plane *plane, uint32_t *part);
 /* Distance to the nearest contour, and its number: the least of those that lie so near. */
 double bvxi_contour_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint, uint32_t *contour);
 /* The number of the contour that a point is one of. */

@@ -8,11 +8,13 @@
  * the surface above a plane ends where the surface below it begins, whatever the cells on both sides are. Strips of cell sides between
  * the planes depend on what lies in the strip alone. Each cell's loops are then closed by construction, and triangles inside a cell
  * share no inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
-#include "section/section.h"
+#include "section/nesting.h"
 
 #include "mesh/mesh.h"
 
 #include <math.h>
+
+enum { MOST_TIMES = 4 }; /* that levels may cross before all are given up */
 
 static const char sections_name[] = "bvx_build_sections";
 
@@ -39,6 +41,7 @@ static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_opt
     BVXI_TRY(check_range(ctx, "caps", o->caps, BVX_CAPS_FLAT, BVX_CAPS_OPEN));
     BVXI_TRY(check_range(ctx, "crossings", o->crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC));
     BVXI_TRY(check_range(ctx, "depth", o->depth, 0, BVXI_SECTION_DEEPEST));
+    BVXI_TRY(check_range(ctx, "nesting", o->nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE));
     BVXI_TRY(check_range(ctx, "position_type", o->position_type, BVX_F32, BVX_F64));
     if (o->grid[0] != 0 || o->grid[1] != 0) {
         BVXI_TRY(check_range(ctx, "grid[0]", o->grid[0], 2, 8192));
@@ -92,17 +95,69 @@ static bvx_status make_caps(bvxi_stack *s)
     return BVX_OK;
 }
 
+/* The surface between the sections; *crossed slabs have levels that cross. */
+static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count, uint32_t *crossed)
+{
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.03, bvxi_nesting_find(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.03, 0.05, bvxi_nesting_make(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.05, 0.1, bvxi_slabs_make(s, slabs, count)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.1, 0.15, make_rings(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.15, 0.9, bvxi_slabs_fill(s, *slabs, s->slab_count)));
+    return BVXI_SHARE(s->ctx, 0.9, 1.0, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed));
+}
+
+/* As if no surface had been made. */
+static void drop_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t count)
+{
+    bvxi_section_mesh *const m = &s->mesh, *const all = &s->slab_mesh;
+
+    bvxi_slabs_free(s, *slabs, count);
+    *slabs = NULL;
+    bvxi_free(s->ctx, all->triangle, all->triangle_room * 12);
+    bvxi_free(s->ctx, all->position, all->vertex_room * 24);
+    bvxi_free(s->ctx, m->triangle, m->triangle_room * 12);
+    bvxi_free(s->ctx, m->position, m->vertex_room * 24);
+    memset(all, 0, sizeof *all);
+    memset(m, 0, sizeof *m);
+    bvxi_nesting_drop(s);
+    for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].cut_count = s->plane[i].grid_cut_count;
+}
+
+static void count_nested(bvxi_stack *s)
+{
+    for (uint32_t i = 0; i + 1 < s->plane_count && s->nesting.count != NULL; i++) {
+        s->report.nested_slabs += s->nesting.count[i] > 1;
+        s->report.joined_slabs += s->nesting.joined[i];
+    }
+}
+
+/* Where levels of a slab cross, the surface is made again without levels there. What is subdivided changes with that,
+ * for the slabs beside it too, so the new surface is looked at again; that ends, since each time at least one slab
+ * less has levels, and after some times none. */
 static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 {
+    bvx_sections_report before;
     bvxi_slab *slabs = NULL;
-    uint32_t count = 0;
-    bvx_status status = BVXI_SHARE(s->ctx, 0.0, 0.03, bvxi_slabs_make(s, &slabs, &count));
-    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.03, 0.05, bvxi_stack_ends(s));
-    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.05, 0.1, make_rings(s));
-    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.1, 0.9, bvxi_slabs_fill(s, slabs, s->slab_count));
+    double from = 0.05, to;
+    uint32_t count = 0, crossed = 0;
+    bvx_status status = BVXI_SHARE(s->ctx, 0.0, from, bvxi_stack_ends(s));
+
+    if (status == BVX_OK) status = bvxi_nesting_open(s);
+    before = s->report;
+    for (int times = 0; status == BVX_OK; times++, from = to) {
+        for (uint32_t i = 0; i < s->plane_count && times == MOST_TIMES; i++)
+            s->nesting.joined[i] |= s->nesting.count[i] > 1;
+        to = s->nesting.count == NULL ? 0.9 : from + 0.5 * (0.9 - from);
+        status = BVXI_SHARE(s->ctx, from, to, make_surface(s, &slabs, &count, &crossed));
+        if (status != BVX_OK || crossed == 0) break;
+        drop_surface(s, &slabs, count);
+        s->report = before;
+    }
+    if (status == BVX_OK) count_nested(s);
     if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.9, 0.95, make_caps(s));
     if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
     bvxi_slabs_free(s, slabs, count);
+    bvxi_nesting_close(s);
     return status;
 }
 

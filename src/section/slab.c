@@ -2,6 +2,7 @@
  *
  * A cell is subdivided for both of its planes, and the crossings that this makes go to each plane's ring, so the cells on the
  * plane's other side get them as vertices too. */
+#include "section/nesting.h"
 #include "section/split.h"
 
 #include "mesh/radix.h"
@@ -97,8 +98,10 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
     uint32_t i = 0, j = 0;
     bvxi_slab *const g = &w->grown;
     w->slab = g;
-    g->plane[0] = slab->plane[0];
-    g->plane[1] = slab->plane[1];
+    for (int k = 0; k < 2; k++) { /* levels of one section are split one after the other, and share its crossings */
+        bvxi_nesting_refresh(slab->plane[k]);
+        g->plane[k] = slab->plane[k];
+    }
     g->split_count = g->leaf_count = g->arc_count = g->hanging_count = 0;
     while (i < below->asking_count || j < above->asking_count) {
         uint32_t const a = i < below->asking_count ? below->asking[i] : UINT32_MAX, b = j < above->asking_count ? above->asking[j] : UINT32_MAX;
@@ -118,7 +121,7 @@ static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
     w.s = s;
     for (uint32_t i = 0; i < count && status == BVX_OK; i++) {
         status = bvxi_progress(s->ctx, "subdivide", (double)i / count);
-        w.is_last = i + 1 == count;
+        w.is_last = slabs[i].below == slabs[count - 1].below;
         if (status == BVX_OK) status = split_slab(&w, &slabs[i]);
     }
     bvxi_free(s->ctx, w.sorted, (uint64_t)w.sorted_room * sizeof *w.sorted);
@@ -141,6 +144,19 @@ static void set_slab(bvxi_slab *slab, bvxi_plane *below, bvxi_plane *above, doub
     slab->w[1] = high;
 }
 
+/* Each nesting level between two planes is a slab of its own. */
+static uint32_t lay_levels(const bvxi_stack *s, bvxi_slab *slabs, uint32_t below, bvxi_plane *level)
+{
+    uint32_t const levels = s->nesting.count[below];
+
+    for (uint32_t i = 0; i < levels; i++, level += 2) {
+        set_slab(&slabs[i], &level[0], &level[1], s->plane[below].w, s->plane[below + 1].w);
+        slabs[i].below = below;
+        slabs[i].level = i;
+    }
+    return levels;
+}
+
 /* Between neighbours; towards an empty plane half the way; beyond the ends half a spacing when they taper. nothing: a plane without
  * loops. */
 static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
@@ -148,22 +164,32 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
     uint32_t const n = s->plane_count;
     bvxi_plane *const p = s->plane;
     uint32_t count = 0;
+    bvxi_plane *level = s->nesting.plane;
     int const taper = s->options.caps == BVX_CAPS_TAPER;
+    slabs[0].below = BVXI_NONE;
     if (taper) set_slab(&slabs[count++], nothing, &p[0], p[0].w - 0.5 * (p[1].w - p[0].w), p[0].w);
     for (uint32_t i = 0; i + 1 < n; i++) {
         int const here = p[i].contour_count != 0, there = p[i + 1].contour_count != 0;
         double const half = p[i].w + 0.5 * (p[i + 1].w - p[i].w);
+        if (level != NULL && s->nesting.count[i] > 1) {
+            uint32_t const levels = lay_levels(s, slabs + count, i, level);
+            level += 2 * (size_t)levels;
+            count += levels;
+            continue;
+        }
+        slabs[count].below = i;
         if (here && there) set_slab(&slabs[count++], &p[i], &p[i + 1], p[i].w, p[i + 1].w);
         else if (here) set_slab(&slabs[count++], &p[i], nothing, p[i].w, half);
         else if (there) set_slab(&slabs[count++], nothing, &p[i + 1], half, p[i + 1].w);
     }
+    slabs[count].below = n - 1;
     if (taper) set_slab(&slabs[count++], &p[n - 1], nothing, p[n - 1].w, p[n - 1].w + 0.5 * (p[n - 1].w - p[n - 2].w));
     return count;
 }
 
 bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count)
 {
-    uint64_t const room = (uint64_t)s->plane_count + 1;
+    uint64_t const room = (uint64_t)s->plane_count + 2 + s->nesting.plane_room; /* the last stays free */
     bvxi_plane *const nothing = &s->nothing;
     *count = (uint32_t)room;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, room * sizeof **slabs, "the slabs of a body", slabs));

@@ -42,6 +42,7 @@ struct bvxi_slab {
     uint32_t lines;                    /* grid points whose line is crossed */
     uint64_t distances, ambiguous_faces, inner_vertices, crossed_cells;
     int owns_mesh;                     /* 1: arrays of its own, else stretches of all slabs' */
+    uint32_t below, level;             /* number of the plane below that has loops, or none; which nesting level it holds */
 };
 
 /* Which side of a cell a cut lies on: 0 low v, 1 high u, 2 high v, 3 low u: counter-clockwise. */

@@ -238,8 +238,7 @@ static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
     return bvxi_wide_sign(sum);
 }
 
-/* 1 when a point lies inside a loop that it is no point of. */
-static int is_in_loop(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
+int bvxi_loop_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
 {
     int odd = 0;
     for (uint32_t i = c->first; i < c->first + c->count; i++) {
@@ -288,7 +287,7 @@ bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
         c->hole = 0;
         for (uint32_t j = 0; j < p->contour_count; j++)
             if (j != i && at[0] >= box[j][0] && at[0] <= box[j][2] && at[1] >= box[j][1] && at[1] <= box[j][3])
-                c->hole ^= is_in_loop(p, &p->contour[j], at);
+                c->hole ^= bvxi_loop_contains(p, &p->contour[j], at);
         if (turn == 0)
             return s->fixed ? BVX_ERR_FORMAT
                             : bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: loop %u of section %u encloses no area", s->function, (uint64_t)c->given,

@@ -4,7 +4,7 @@
 #include "tools/section_maker.h"
 
 static bvx_context *maker;
-static section_maker stack;
+static section_maker stack, walls;
 static maker_mesh star;
 static bvx_mesh_view view;
 
@@ -24,6 +24,12 @@ static int make_inputs(void **state)
         if (i < 2) stack_round(&stack, k, 0, 0, 0.5, 0.3, 12, 0, 0, 0);
         stack_round(&stack, k, 2.6, 1.0, 0.2, 0.1, 8, 0, 0, 0);
     }
+    stack_clear(&walls);
+    for (int i = 0; i < 2; i++) { /* levels that cross in coarse cells */
+        uint32_t const k = stack_section(&walls, 0.5 * i);
+        stack_round(&walls, k, 0.4 * i, 0, 2, 2, 24, 0, 0, 0);
+        stack_round(&walls, k, 0.4 * i, 0, 1.99, 1.99, 24, 0, 0, 0);
+    }
     return 0;
 }
 
@@ -36,7 +42,7 @@ static int free_inputs(void **state)
     return 0;
 }
 
-enum { RUN_EXACT, RUN_TAPER, RUN_PAPER, RUN_LAYERS, RUN_FILES, RUN_SLICE, RUNS };
+enum { RUN_EXACT, RUN_TAPER, RUN_PAPER, RUN_LAYERS, RUN_JOINED, RUN_FILES, RUN_SLICE, RUNS };
 
 typedef struct section_run {
     int kind;
@@ -47,6 +53,7 @@ typedef struct section_run {
 static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
     bvx_sections_options o;
+    bvx_sections_report report;
     bvx_mesh mesh = {0};
     bvx_sections_options_init(&o, sizeof o);
     o.grid[0] = 7;
@@ -54,7 +61,9 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     if (run->kind == RUN_TAPER) o.caps = BVX_CAPS_TAPER;
     if (run->kind == RUN_PAPER) o.crossings = BVX_CROSSINGS_PAPER;
     if (run->kind == RUN_LAYERS) o.layers = 3;
-    bvx_status status = bvx_build_sections(ctx, &stack.s, &o, &mesh);
+    o.report = &report;
+    bvx_status status = bvx_build_sections(ctx, run->kind == RUN_JOINED ? &walls.s : &stack.s, &o, &mesh);
+    if (status == BVX_OK && (report.joined_slabs == 1) != (run->kind == RUN_JOINED)) run->wrong |= 4;
     if (status != BVX_OK) run->wrong |= mesh.positions != NULL;
     else status = bvx_mesh_hash(ctx, &mesh, mark);
     bvx_mesh_free(ctx, &mesh);
@@ -117,6 +126,7 @@ static void assert_run(const section_run *run, const char *wrong)
 {
     if (wrong != NULL) fail_msg("run %d: %s", run->kind, wrong);
     if (run->wrong & 1) fail_msg("run %d: a failed call left a result", run->kind);
+    if (run->wrong & 4) fail_msg("run %d: levels cross in another stack", run->kind);
     if (run->wrong & 2) fail_msg("run %d: another result than usual", run->kind);
 }
 

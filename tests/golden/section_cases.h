@@ -81,6 +81,22 @@ static void slice_values(golden *g, const char *name, const bvx_mesh_view *view,
     bvx_sections_free(g->context, &sections);
 }
 
+/* Walls that lean by more than their thickness, each level blended for itself; a wall too thin for its cells at the top. */
+static void wall_values(golden *g)
+{
+    stack_clear(&golden_stack);
+    for (int k = 0; k < 6; k++) {
+        uint32_t const s = stack_section(&golden_stack, 0.75 * k);
+        double const thin = k < 4 ? 0.25 : 0.01;
+        stack_round(&golden_stack, s, 0.5 * k, 0.125 * k * k, 3, 2.5, 48, 0, 0, k & 1);
+        stack_round(&golden_stack, s, 0.5 * k, 0.125 * k * k, 3 - thin, 2.5 - thin, 48, 0, 0, 0);
+        if (k < 3) stack_round(&golden_stack, s, 0.5 * k, 0.125 * k * k, 1, 1, 20, 0.2, 0.25 * k, 0);
+    }
+    golden_begin(g, "walls");
+    body_values(g, &golden_stack.s, 21);
+    golden_end(g);
+}
+
 static void section_cases(golden *g)
 {
     static const char *const name[] = {"random_1", "random_2", "random_3", "random_4", "random_5", "random_6"};
@@ -100,6 +116,7 @@ static void section_cases(golden *g)
         body_values(g, &golden_stack.s, 9 + 4 * i);
         golden_end(g);
     }
+    wall_values(g);
     shape_torus(&golden_shape, 96, 40, 0.05, 7);
     shape_view(&golden_shape, &view);
     normal_values(g, "torus_normals", &view);

@@ -24,6 +24,10 @@ near() { # NAME, A, B, SHARE
     else not_ok "$1" "$2 is not near $3"; fi
 }
 
+is() { # NAME, A, B
+    if [ "$2" = "$3" ]; then ok "$1"; else not_ok "$1" "$2 is not $3"; fi
+}
+
 cat >prism.csv <<'END'
 section,position,loop,x,y
 1,0,1,0,0
@@ -55,6 +59,17 @@ if awk -F, 'NR > 1 && ($7 <= 0 || $7 > 1 || ($1 - 1) % 2 != 0) { bad = 1 } END {
 else not_ok 'blocks lie at whole multiples' 'a centre or share is wrong'; fi
 gives 'taper' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --caps taper --layers 2
 gives 'open' 0 'manifold, oriented, open' sections prism.csv -o prism.ply --caps open
+gives 'nesting that is none' 2 'levels, whole' sections prism.csv -o x.ply --nesting some
+awk 'BEGIN { print "section,position,loop,x,y"; for (k = 0; k < 5; k++) for (l = 0; l < 2; l++) for (i = 0; i < 40; i++) {
+    a = i * 3.14159265 / 20; r = 3 - 0.3 * l; printf "%d,%d,%d,%.9f,%.9f\n", k, k, l, 0.8 * k + r * cos(a), r * sin(a) } }' >wall.csv
+run sections wall.csv -o wall.ply --json
+is 'a leaning wall has no window' "$(field euler)" 0
+is 'its levels' "$(field nested_slabs) $(field joined_slabs)" '4 0'
+near 'its volume' "$(field volume)" "$(field prismoid_volume)" 0.02
+run sections wall.csv -o wall.ply --json --nesting whole
+if [ "$(field euler)" -lt 0 ]; then ok 'a leaning wall as a whole has windows'; else not_ok 'a leaning wall as a whole has windows' "$(field euler)"; fi
+sed 's/$//' wall.csv | awk -F, 'NR == 1 { print; next } { r = $3 == 1 ? 2.99 / 2.7 : 1; x = $4 - 0.8 * $1; printf "%s,%s,%s,%.9f,%.9f\n", $1, $2, $3, 0.8 * $1 + r * x, r * $5 }' >thin.csv
+gives 'a wall too thin for the cells' 0 'walls are too thin for the cells' sections thin.csv -o wall.ply --grid 8x8
 gives 'paper' 0 'closed, manifold, oriented' sections prism.csv -o prism.stl --crossings paper --spacing 0.7
 gives 'classic' 0 'closed, manifold, oriented' sections prism.csv -o prism.obj --crossings classic --spacing 0.7
 gives 'no contour file' 2 'ends in no contour format' sections "$knot" -o x.ply
@@ -112,6 +127,19 @@ if [ -f "$contours/orex_eight_15_reference.stl.gz" ]; then
     else not_ok 'mean distance to the reference below half a cell' "$mean of $cell"; fi
 else
     skip 'distance to the reference' 'the file is not there'
+fi
+if [ -e "$contours/pig_heart_A05.tsv.gz" ]; then
+    for frame in 10 29; do # the wall of a heart's chamber: a loop and a hole in it in each section
+        gzip -dc "$contours/pig_heart_A05.tsv.gz" | awk -v f=$frame 'BEGIN { print "section,position,loop,x,y" }
+            $4 == f { printf "%d,%d,%d,%s,%s\n", $3, 8 * $3, $5, $1, $2 }' >heart.csv
+        run sections heart.csv -o heart.ply --json
+        is "heart $frame: no window" "$(field euler) $(field components) $(field joined_slabs)" '0 1 0'
+        near "heart $frame: volume" "$(field volume)" "$(field prismoid_volume)" 0.003
+        run info heart.ply --crossings --json
+        is "heart $frame: nothing crosses" "$(field crossings)" 0
+    done
+else
+    skip 'walls of a heart' 'the file is not there'
 fi
 
 counts

@@ -44,9 +44,23 @@ def test_labels_and_refusals():
     crossed = SQUARE[[0, 2, 1, 3]]
     with pytest.raises(bitvox.FormatError):
         bitvox.from_sections(stack(points=crossed))
-    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"subdivide": 9}, {"crossings": "x"}):
+    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"subdivide": 9}, {"nesting": "x"},
+                    {"crossings": "x"}):
         with pytest.raises(bitvox.Error):
             bitvox.from_sections(stack(), **options)
+
+
+def test_walls_keep_no_windows():
+    def ring(x, z, r):
+        turn = np.arange(48) * (2 * np.pi / 48)
+        return np.stack([x + r * np.cos(turn), r * np.sin(turn), np.full(48, z)], axis=1)
+
+    walls = Sections([Loop(ring(0.8 * z, z, r)) for z in range(5) for r in (3.0, 2.7)])
+    whole, levels = walls.surface(nesting="whole"), walls.surface()
+    assert (whole.report.nested_slabs, levels.report.nested_slabs, levels.report.joined_slabs) == (0, 4, 0)
+    assert whole.check().euler < 0 and whole.check().volume < 0.7 * whole.report.prismoid_volume
+    assert levels.check().euler == 0 and levels.check().volume == pytest.approx(levels.report.prismoid_volume, rel=0.02)
+    assert levels.content_hash() == walls.surface(nesting="levels").content_hash()
 
 
 def test_bad_stacks_are_named():

@@ -12,6 +12,7 @@ from ._records import record
 from ._run import Progress, Run, choice, ffi, function, in_range, options_of
 
 CAPS = ("flat", "taper", "open")
+NESTING = ("levels", "whole")
 CROSSINGS = ("exact", "paper", "classic")
 SECTION_FORMATS = ("csl", "csv")
 SECTION_OUTPUTS = ("csl", "csv", "svg")
@@ -196,6 +197,7 @@ def from_sections(
     spacing: float | None = None,
     layers: int = 1,
     caps: str = "flat",
+    nesting: str = "levels",
     crossings: str = "exact",
     subdivide: int | None = None,
     label: str | None = None,
@@ -216,6 +218,8 @@ def from_sections(
             of the contours' segments.
         layers: cells from section to section.
         caps: how the body ends: "flat" on the first and the last section, "taper" to a ridge half a spacing beyond, or "open".
+        nesting: loops in loops between two sections: "levels" blends outlines and the holes in them each for themselves, so that walls
+            have no windows; "whole" blends sections as they are.
         crossings: on the planes: "exact" (by the contours themselves, all of whose points become vertices), "paper" (by
             interpolated distances with the contours' points put in) or "classic" (marching cubes).
         subdivide: a cell that a contour crosses twice on a side is halved at most this often. Default 5.
@@ -250,6 +254,7 @@ def from_sections(
         options.spacing = float(spacing)
     options.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
+    options.nesting = choice("nesting", nesting, "BVX_NESTING_", NESTING)
     options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
     if subdivide is not None:
         options.depth = in_range("subdivide", subdivide, 0, 8)
