@@ -8,8 +8,10 @@
  * the mesh and the nearest one behind it are asked for: where they face away from each other and lie no further apart than
  * a voxel and a half, there is a thin wall. Centres beside it go inside up to half of what it lacks.
  * Guarantee: what is found follows from the mesh and the lattice alone. Cost: the surface, and closest points at thin places. */
+#include "core/hash.h"
 #include "mesh/closest_query.h"
 #include "mesh/facet.h"
+#include "mesh/radix.h"
 #include "mesh/view.h"
 #include "pipeline/ends.h"
 #include "pipeline/repair.h"
@@ -44,7 +46,8 @@ typedef struct thin_job {
     uint64_t *at;             /* their bits [Size: count] */
     thin_point *point;        /* what is there [Size: count] */
     uint64_t count;
-    uint32_t *corner;         /* of the triangles nearby */
+    uint32_t *corner;         /* of the triangles nearby, each from its first corner to its last, by place */
+    uint8_t *against;         /* of those triangles, 1: the mesh has them the other way round */
     uint8_t *blocks;          /* 1: triangles there are wanted */
     int32_t block_size[3];
     bvx_mesh_view near;
@@ -236,6 +239,74 @@ static void take_triangles_nearby(thin_job *t)
     bvxi_repair_view(t->job, t->corner, count, &t->near);
 }
 
+/* Corners in the order of their places. Returns 1 when that turns the triangle round. */
+static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
+{
+    uint8_t turned = 0;
+
+    for (int step = 0; step < 3; step++) {
+        int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
+        double p[2][3];
+        uint32_t const first = c[k];
+
+        for (int i = 0; i < 2; i++) bvxi_view_position(mesh, c[k + i], p[i]);
+        if (!bvxi_corner_before(p[1], p[0])) continue;
+        c[k] = c[k + 1];
+        c[k + 1] = first;
+        turned ^= 1;
+    }
+    return turned;
+}
+
+static uint64_t place_hash(const bvx_mesh_view *mesh, const uint32_t c[3])
+{
+    bvxi_hash hash;
+    double p[3];
+
+    bvxi_hash_start(&hash, 0);
+    for (int k = 0; k < 3; k++) {
+        bvxi_view_position(mesh, c[k], p);
+        for (int a = 0; a < 3; a++) p[a] += 0.0; /* -0 is 0 */
+        bvxi_hash_f64(&hash, p, 3);
+    }
+    return bvxi_hash_end(&hash);
+}
+
+/* Put the triangles nearby into an order that no numbering of the mesh shows in: that of a hash of their corners' places.
+ * keys, numbers [Size: count], sorted [Size: count * 3]: scratch. */
+static bvx_status sort_triangles_nearby(thin_job *t, uint64_t *keys, uint32_t *numbers, uint32_t *sorted)
+{
+    uint64_t const count = t->near.triangle_count;
+
+    for (uint64_t n = 0; n < count; n++) {
+        uint32_t *const c = t->corner + 3 * n;
+
+        sorted[n] = order_corners(&t->near, c);
+        keys[n] = place_hash(&t->near, c);
+        numbers[n] = (uint32_t)n;
+    }
+    BVXI_TRY(bvxi_radix_sort(t->job->ctx, keys, numbers, count));
+    for (uint64_t n = 0; n < count; n++) t->against[n] = (uint8_t)sorted[numbers[n]];
+    for (uint64_t n = 0; n < count; n++) memcpy(sorted + 3 * n, t->corner + 3 * (uint64_t)numbers[n], 12);
+    memcpy(t->corner, sorted, (size_t)count * 12);
+    return BVX_OK;
+}
+
+static bvx_status order_triangles_nearby(thin_job *t)
+{
+    bvx_context *const ctx = t->job->ctx;
+    uint64_t const count = t->near.triangle_count;
+    unsigned char *block;
+    bvx_status status;
+    uint64_t *keys;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 24, "the order of triangles at thin places", &block));
+    keys = (uint64_t *)(void *)block;
+    status = sort_triangles_nearby(t, keys, (uint32_t *)(keys + count), (uint32_t *)(keys + count) + count);
+    bvxi_free(ctx, block, count * 24);
+    return status;
+}
+
 /* Triangles within THIN_REACH of the list's centres, and a search among them. */
 static bvx_status open_nearby(thin_job *t)
 {
@@ -249,6 +320,7 @@ static bvx_status open_nearby(thin_job *t)
     }
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, t->job->body.triangle_count * 12, "the triangles at thin places", &t->corner);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, t->job->body.triangle_count, "the sides of thin places", &t->against);
     if (status == BVX_OK) {
         mark_blocks(t);
         take_triangles_nearby(t);
@@ -256,6 +328,7 @@ static bvx_status open_nearby(thin_job *t)
     bvxi_free(ctx, t->blocks, bytes);
     t->blocks = NULL;
     if (status != BVX_OK || t->near.triangle_count == 0) return status;
+    BVXI_TRY(order_triangles_nearby(t));
     return bvxi_closest_open(ctx, bvxi_repair_name, "thin", 0.3, 0.4, &t->near, &t->closest);
 }
 
@@ -266,14 +339,15 @@ static double thin_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void unit_normal(const bvx_mesh_view *mesh, uint32_t triangle, double n[3])
+static void unit_normal(const thin_job *t, uint32_t triangle, double n[3])
 {
     double p[3][3], length;
     uint32_t c[3];
 
-    bvxi_view_triangle(mesh, triangle, c);
-    for (int k = 0; k < 3; k++) bvxi_view_position(mesh, c[k], p[k]);
+    bvxi_view_triangle(&t->near, triangle, c);
+    for (int k = 0; k < 3; k++) bvxi_view_position(&t->near, c[k], p[k]);
     length = bvxi_facet_normal((const double(*)[3])p, n);
+    if (t->against[triangle]) length = -length;
     for (int a = 0; a < 3; a++) n[a] /= length;
 }
 
@@ -313,7 +387,7 @@ static void ask_wall(const thin_job *t, const bvx_closest_point *front, const do
     for (int a = 0; a < 3; a++) behind[a] = front->position[a] - out[a] * THIN_DEPTH * t->unit;
     if (t->job->holes.loops && thin_dot(out, n) < 0) return; /* a face seen from behind, through a hole */
     bvxi_closest_ask(&t->closest, behind, hint, &back);
-    unit_normal(&t->near, back.triangle, m);
+    unit_normal(t, back.triangle, m);
     for (int a = 0; a < 3; a++) {
         double const d = front->position[a] - back.position[a];
 
@@ -350,7 +424,7 @@ static void ask_thin_centre(const thin_job *t, uint64_t bit, uint32_t hint[2], t
     found->distance = (float)(front.distance / t->unit);
     if (!(front.distance < t->limit * t->unit)) return;
 
-    unit_normal(&t->near, front.triangle, n);
+    unit_normal(t, front.triangle, n);
     for (int a = 0; a < 3; a++) out[a] = front.distance > 1e-6 * t->unit ? (centre[a] - front.position[a]) / front.distance : n[a];
     ask_wall(t, &front, out, n, &hint[1], found);
 }
@@ -386,13 +460,13 @@ static void take_into_box(bvx_repair_report *r, const int32_t at[3])
 }
 
 /* The walls of one range of thickness. */
-typedef struct thin_bin {
+typedef struct thin_range {
     uint64_t count;
     double sum;
-} thin_bin;
+} thin_range;
 
 /* The wall that a tenth of the places is thinner than: the mean of the range that holds it. */
-static double common_wall(const thin_bin bins[THIN_BINS], uint64_t all)
+static double common_wall(const thin_range bins[THIN_BINS], uint64_t all)
 {
     uint64_t below = 0;
     int bin = 0;
@@ -422,7 +496,7 @@ static void report_walls(thin_job *t, uint8_t *own)
 {
     bvxi_repair_job *const job = t->job;
     bvx_repair_report *const r = &job->report;
-    thin_bin bins[THIN_BINS] = {{0, 0}};
+    thin_range bins[THIN_BINS] = {{0, 0}};
     double wall;
 
     for (uint64_t n = 0; n < t->count; n++) {
@@ -704,6 +778,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     status = find_walls(&t);
 
     bvxi_closest_shut(job->ctx, &t.closest);
+    bvxi_free(job->ctx, t.against, job->body.triangle_count);
     bvxi_free(job->ctx, t.corner, job->body.triangle_count * 12);
     close_list(&t);
     bvxi_free(job->ctx, t.places.words, job->grid_bytes);

@@ -6,6 +6,8 @@
 
 typedef void order_shape(void);
 
+static int32_t thin = BVX_THIN_SHELL;
+
 static bvx_mesh surface_of(int32_t resolution, int32_t sharp, int32_t type)
 {
     bvx_mesh_view const view = maker_view(&mesh);
@@ -14,6 +16,7 @@ static bvx_mesh surface_of(int32_t resolution, int32_t sharp, int32_t type)
     bvx_repair_options_init(&o, sizeof o);
     o.resolution = resolution;
     o.sharp = sharp;
+    o.thin = thin;
     o.position_type = type;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_repair(ctx, &view, &o, &out), bvx_last_message(ctx));
     return out;
@@ -65,6 +68,9 @@ static void assert_order_is_within(order_shape *make, double off)
 static void assert_order_does_not_show(order_shape *make)
 {
     assert_order_is_within(make, 0);
+    thin = BVX_THIN_KEEP;
+    assert_order_is_within(make, 0);
+    thin = BVX_THIN_SHELL;
 }
 
 /* ---- Shapes ---- */
