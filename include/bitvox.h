@@ -2018,7 +2018,7 @@ enum {
 /** Walls of closed bodies thinner than 1.5 voxels, where no centre inside shows them. */
 enum {
     BVX_THIN_SHELL = 0, /**< pieces that the solid misses become shells, as sheets do; what else no centre lies in is lost, and reported */
-    BVX_THIN_KEEP = 1,  /**< they are kept, closed and whole, about as thick as they are; the result may depend on the order of triangles */
+    BVX_THIN_KEEP = 1,  /**< they are kept, closed and whole, about as thick as they are */
     BVX_THIN_DROP = 2   /**< what no centre lies in is lost, and reported */
 };
 
@@ -2085,7 +2085,7 @@ typedef struct bvx_repair_options {
     int32_t if_needed;           /**< 1: a mesh that needs nothing (the report's needs) is copied: the same positions and triangles, vertices
                                       at one position once, in its own position_type and without a frame, whatever the other options are
                                       [Default: 0] */
-    int32_t thin;                /**< walls of bodies that the lattice loses: BVX_THIN_... [Default: BVX_THIN_SHELL] */
+    int32_t thin;                /**< walls of bodies that the lattice loses: BVX_THIN_... [Default: BVX_THIN_KEEP] */
     int32_t reserved0;
     uint64_t reserved[1];
 } bvx_repair_options;
@@ -2100,9 +2100,9 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  * have 0.7 of their area or more and they do not, like faces or triangles torn apart, make a body together. Marching cubes between inside and outside centres, vertices where the closest points of
  * both ends say, on lids where the winding number passes a half. Of equally near triangles, beside an edge or corner, the one whose
  * plane is farthest from the centre counts, so a closed mesh gives the same bytes for any order of triangles, vertices and corners, and
- * turned inside out. By BVX_THIN_KEEP walls too thin for the lattice are widened until they hold
- * on it and their vertices then put back to the mesh, as far as no triangles cross. The guarantee is that of marching cubes,
- * whatever the input; details smaller than a voxel are lost, rods thinner than that become shells.
+ * turned inside out. Walls and acute edges too thin for the lattice are widened until they hold on it, and their vertices then put
+ * back to the mesh, as far as no triangles cross (BVX_THIN_KEEP). The guarantee is that of marching cubes,
+ * whatever the input; details smaller than a voxel are lost, and rods thinner than that come out thicker.
  *
  * mesh      triangles without area are no harm; vertices must be finite, used or not
  * repaired  as for bvx_extract_surface; its arrays are not the mesh's (BVX_ERR_ARGUMENT)

@@ -156,7 +156,7 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     if (c->sharp || c->no_sharp) o->sharp = c->sharp;
     o->measure = c->measure;
     if (cli_given(run, "--shell")) o->shell = c->shell;
-    o->thin = c->thin;
+    if (cli_given(run, "--thin")) o->thin = c->thin;
     if (c->least_part > 0) o->least_part = (uint64_t)c->least_part;
     o->keep_crumbs = cli_given(run, "--least-part");
     o->if_needed = c->if_needed;

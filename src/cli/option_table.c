@@ -222,7 +222,7 @@ static const cli_argument arguments[] = {
     FLAG("--sharp", CLI_REPAIR | CLI_BOOLEAN, sharp, "put vertices on sharp edges and corners"),
     FLAG("--no-sharp", CLI_REPAIR | CLI_BOOLEAN, no_sharp, "do not put vertices there [where many of a mesh's edges are sharp]"),
     CHOICE("--thin", "WHAT", CLI_REPAIR, thin, thin_names, BVX_THIN_SHELL,
-           "walls of bodies too thin for the voxels. shell: pieces without a voxel\nbecome shells, other walls are lost where no centre lies in them, with a\nwarning; keep: all whole, about as thick as they are; drop: lost [shell]"),
+           "walls of bodies too thin for the voxels. keep: whole, about as thick as\nthey are; shell: pieces without a voxel become shells, other walls are\nlost where no centre lies in them, with a warning; drop: lost [keep]"),
     FROM_TO("--shell", "T", CLI_REPAIR | CLI_LOD, shell, 0, 1e6, "thickness of shells in voxels, from 1.5; 0: none are made [2]"),
     LONG("--least-part", "N", CLI_REPAIR | CLI_LOD | CLI_BOOLEAN, least_part, 0, 1e15,
          "parts of fewer voxels are dropped, 0: none is [crumbs: small, nowhere three\nvoxels thick, where the mesh has no part of its own]"),

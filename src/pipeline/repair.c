@@ -13,7 +13,7 @@
 const char bvxi_repair_name[] = "bvx_repair";
 
 static const bvx_repair_options repair_defaults = {0, NULL, 256, BVX_SIGN_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0,
-                                                   2.0, 0, 0, 0, 100000, NULL, 0, 0, BVX_THIN_SHELL, 0, {0}};
+                                                   2.0, 0, 0, 0, 100000, NULL, 0, 0, BVX_THIN_KEEP, 0, {0}};
 
 void bvx_repair_options_init(bvx_repair_options *options, size_t size)
 {

@@ -57,7 +57,7 @@ static void field_cases(golden *g)
     field_values(g, "soup_24", &view, 24);
 }
 
-static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution, int32_t sign)
+static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution, int32_t sign, int32_t thin)
 {
     golden_begin(g, name);
     for (int32_t sharp = 0; sharp < 2; sharp++) {
@@ -67,6 +67,7 @@ static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *v
         o.resolution = resolution;
         o.sign = sign;
         o.sharp = sharp;
+        o.thin = thin;
         mesh_value(g, sharp ? "sharp" : "plain", bvx_repair(g->context, view, &o, &mesh), &mesh);
     }
     golden_end(g);
@@ -78,16 +79,18 @@ static void repair_cases(golden *g)
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
     view.triangle_count -= 700;
-    repair_values_of(g, "torus_48_open", &view, 48, BVX_SIGN_AUTO);
-    repair_values_of(g, "torus_48_open_vote", &view, 48, BVX_SIGN_VOTE);
+    repair_values_of(g, "torus_48_open", &view, 48, BVX_SIGN_AUTO, BVX_THIN_KEEP);
+    repair_values_of(g, "torus_48_open_vote", &view, 48, BVX_SIGN_VOTE, BVX_THIN_KEEP);
+    repair_values_of(g, "torus_48_open_shell", &view, 48, BVX_SIGN_AUTO, BVX_THIN_SHELL);
     shape_ball(&golden_shape, 24);
     for (uint32_t v = 0; v < golden_shape.vertices; v++) golden_shape.v[v][2] *= 0.01;
     shape_view(&golden_shape, &view);
-    repair_values_of(g, "thin_disc_48", &view, 48, BVX_SIGN_AUTO);
+    repair_values_of(g, "thin_disc_48", &view, 48, BVX_SIGN_AUTO, BVX_THIN_KEEP);
+    repair_values_of(g, "thin_disc_48_shell", &view, 48, BVX_SIGN_AUTO, BVX_THIN_SHELL);
     shape_soup(&golden_shape, 300, 11);
     shape_view(&golden_shape, &view);
-    repair_values_of(g, "soup_32", &view, 32, BVX_SIGN_AUTO);
-    repair_values_of(g, "soup_32_vote", &view, 32, BVX_SIGN_VOTE);
+    repair_values_of(g, "soup_32", &view, 32, BVX_SIGN_AUTO, BVX_THIN_KEEP);
+    repair_values_of(g, "soup_32_vote", &view, 32, BVX_SIGN_VOTE, BVX_THIN_KEEP);
 }
 
 #endif

@@ -440,7 +440,7 @@ def repair(
     face_rule: str = "separate",
     sharp: bool | None = None,
     shell: float | None = None,
-    thin: str = "shell",
+    thin: str = "keep",
     least_part: int | None = None,
     least_cavity: int = 0,
     if_needed: bool = False,
@@ -468,8 +468,9 @@ def repair(
         sharp: cells on sharp edges and corners get a vertex there: always, never, or (None) where many of the mesh's edges are sharp,
             as in machine parts.
         shell: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
-        thin: walls of bodies thinner than 1.5 voxels: "shell" (pieces without a voxel become shells, other walls are lost
-            where no centre lies in them), "keep" (whole, about as thick as they are) or "drop" (lost). The report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` tell of them.
+        thin: walls of bodies thinner than 1.5 voxels: "keep" (whole, about as thick as they are), "shell" (pieces without
+            a voxel become shells, other walls are lost where no centre lies in them) or "drop" (lost). They are described by
+            the report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution``.
         least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
             pieces nowhere three voxels thick where the mesh has no part of its own; 0: none is.
         if_needed: a mesh that needs nothing is copied, its positions as they are (``report.copied``; ``report.needs`` is one of
