@@ -135,8 +135,11 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
 static int take_input(cli_run *run, const char *name)
 {
     cli_options *const o = &run->options;
-    if (o->inputs == run->command->most_inputs)
-        return cli_usage(run, "'%s' is one input too many; %s takes %d", name, run->command->name, run->command->most_inputs);
+    int const most = o->output_dir != NULL ? CLI_MAX_FILES : run->command->most_inputs;
+    if (o->inputs == most && o->output_dir == NULL && most == 1 && find_argument("--output-dir", 12, run->command->bit) >= 0)
+        return cli_usage(run, "'%s' is one input too many; %s takes 1, or several with --output-dir", name, run->command->name);
+    if (o->inputs == most)
+        return cli_usage(run, "'%s' is one input too many; %s takes %d", name, run->command->name, most);
     for (int i = 0; i < o->inputs; i++)
         if (strcmp(name, "-") == 0 && strcmp(o->input[i], "-") == 0) return cli_usage(run, "standard input can be read only once");
     o->input[o->inputs++] = name;
@@ -157,11 +160,18 @@ static int check_line(cli_run *run)
     for (int i = 0; i < o->inputs; i++) standard += strcmp(o->input[i], "-") == 0;
     if (standard != 0 && o->format == 0)
         return cli_usage(run, "standard input has no name that tells the format; say it with --format");
-    if (standard == 0 && !writes && o->format != 0)
+    if (standard == 0 && !writes && o->output_dir == NULL && o->format != 0)
         return cli_usage(run, "--format is for standard input and output, '-'; names of files tell theirs");
+    if (o->output_dir != NULL) return cli_check_batch(run);
     if (o->output == NULL && run->command->bit != CLI_COMPONENTS && find_argument("-o", 2, run->command->bit) >= 0)
         return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
     if (writes && cli_take_standard_output(run) != CLI_DONE) return CLI_USAGE;
+    return cli_check_options(run);
+}
+
+int cli_check_options(cli_run *run)
+{
+    const cli_options *const o = &run->options;
     if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE) return CLI_USAGE;
     if (o->quiet && o->progress == CLI_BAR_DRAW) return cli_usage(run, "--quiet and --progress=bar exclude each other");
     return CLI_DONE;
@@ -173,6 +183,7 @@ int cli_parse(cli_run *run, int count, char **word)
     int only_inputs = 0, at = 0, status = CLI_DONE;
     for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++) { /* decide how an error is told and whether there is one */
         if (strcmp(word[i], "--json") == 0) o->json = 1;
+        if (find_argument("--output-dir", 12, run->command->bit) >= 0 && strncmp(word[i], "--output-dir", 12) == 0) o->output_dir = "";
         if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) o->help = 1;
     }
     if (o->help) return CLI_DONE;

@@ -12,6 +12,7 @@ enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INTERRUPTED = 130 };
 
 enum {
     CLI_MAX_INPUTS = 64,
+    CLI_MAX_FILES = 8192, /* inputs with --output-dir */
     CLI_MAX_LEVELS = 64,
     CLI_MAX_OUTPUTS = 512,
     CLI_MAX_STAGES = 6 * CLI_MAX_LEVELS,
@@ -92,9 +93,10 @@ enum { CLI_BAR_AUTO = 0, CLI_BAR_DRAW = 1, CLI_BAR_JSON = 2, CLI_BAR_NONE = 3 };
 
 /* Zero stands for "not given" unless said otherwise. */
 typedef struct cli_options {
-    const char *input[CLI_MAX_INPUTS];
+    const char *input[CLI_MAX_FILES];
     int inputs;
     const char *output;
+    const char *output_dir;     /* a folder for the outputs of several inputs */
     int32_t help, json, quiet;
     int32_t progress;           /* CLI_BAR_... */
     int32_t format;             /* of standard input and output, BVX_FORMAT_... */
@@ -219,6 +221,8 @@ int cli_take_value(const cli_argument *a, const char *text, cli_options *o);
 void cli_describe_value(const cli_argument *a, char *text, size_t room);
 /* Fill run->options; CLI_DONE or CLI_USAGE with a message. */
 int cli_parse(cli_run *run, int count, char **word);
+/* What options contradict each other or the names of inputs and output. */
+int cli_check_options(cli_run *run);
 /* 1 when this option of the command stands on its command line. */
 int cli_given(const cli_run *run, const char *name);
 /* The options of a command, for its help. */
@@ -283,6 +287,7 @@ typedef struct cli_report {
     char *warning[CLI_MAX_WARNINGS];
     int warnings;
     uint64_t peak_bytes;     /* most bytes held for data */
+    cli_text batch;          /* the whole report of several inputs, in place of the above */
     char error_code[32];
     char error_message[1024];
 } cli_report;
@@ -609,6 +614,8 @@ int cli_open_output(cli_run *run, const char *path);
 int cli_write_output(cli_run *run, int number, const bvx_buffer *file);
 /* Give all outputs their names, or none of them. */
 int cli_keep_outputs(cli_run *run);
+/* 1 when both are there and are the same. */
+int cli_are_one_file(const char *a, const char *b);
 /* Remove what was not kept. */
 void cli_drop_outputs(cli_run *run);
 /* The part of it that an interrupt does, with the lock held. */
@@ -620,6 +627,12 @@ void cli_remove_temporaries(cli_run *run);
 int cli_can_pack(void);
 /* Pack a file by gzip; packed->bytes is to be freed in any case. */
 int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer *packed);
+
+/* ---- batch.c: --output-dir ---- */
+
+/* Refuse what does not fit it; run the command on each input. */
+int cli_check_batch(cli_run *run);
+int cli_run_batch(cli_run *run);
 
 /* ---- standard_output.c: -o - ---- */
 
@@ -667,6 +680,8 @@ void cli_watch_decide(int status);
 /* The report is written until cli_watch_told. */
 void cli_watch_report(void);
 void cli_watch_told(void);
+/* With the lock held: another input follows. */
+void cli_watch_again(void);
 /* All is said; the program only has to end. */
 void cli_watch_end(int status);
 
@@ -687,12 +702,15 @@ struct cli_run {
     cli_output output[CLI_MAX_OUTPUTS];
     int outputs;
     int standard_taken;     /* standard output belongs to an output */
+    int batch;              /* 1: one of several inputs, so messages name it */
     char standard_name[32]; /* of -o -, with an ending; "" without */
     uint64_t removed_bytes; /* of files that the system takes apart at the exit */
     double start;
     cli_progress_state progress;
 };
 
+/* The last words, with the exit status. */
+int cli_end_of_run(cli_run *run, int status);
 /* Command i in the order of the help, NULL behind the last. */
 const cli_command *cli_command_at(int i);
 /* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */

@@ -116,4 +116,5 @@ const cli_command cli_convert = {
     "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
     "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is told\n"
     "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for there.",
-    "bitvox convert fixtures/knot.ply -o knot.glb", run_convert};
+    "bitvox convert fixtures/knot.ply -o knot.glb\n"
+    "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply", run_convert};

@@ -81,8 +81,10 @@ static void say_head(cli_run *run, const cli_collapse_run *c)
 
 static int run_simplify(cli_run *run)
 {
-    static cli_collapse_run c; /* zeroed; the report points into it until the program ends */
+    static cli_collapse_run c; /* the report points into it until the program ends */
     int kind, status = cli_input_kind(run, run->options.input[0], &kind);
+
+    memset(&c, 0, sizeof c);
 
     if (status == CLI_DONE && kind != CLI_MESH)
         status = cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",

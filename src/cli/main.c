@@ -128,7 +128,7 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
 }
 
 /* The last words: the report of --json, or what is left of the text. */
-static int end_of_run(cli_run *run, int status)
+int cli_end_of_run(cli_run *run, int status)
 {
     if (!run->options.json || cli_report_print(run, status)) return status == CLI_DONE ? end_of_output(run) : status;
 
@@ -147,12 +147,13 @@ static int run_command(cli_run *run, int count, char **word)
     if (status == CLI_DONE) {
         run->start = cli_seconds();
         cli_watch_run(run);
+        if (run->options.output_dir != NULL) return cli_run_batch(run);
         status = run->command->run(run);
         cli_progress_end(run, status);
         cli_note_peak(run, 0);
         cli_drop_outputs(run);
     }
-    status = end_of_run(run, status);
+    status = cli_end_of_run(run, status);
     bvx_context_destroy(run->context);
     return status;
 }
@@ -185,7 +186,7 @@ static int run_words(cli_run *run, int count, char **word)
     run->command = find_command(word[0]);
     if (run->command != NULL) return run_command(run, count - 1, word + 1);
     run->options.json = is_asked_for("--json", count, word);
-    return end_of_run(run, refuse_command(run, word[0]));
+    return cli_end_of_run(run, refuse_command(run, word[0]));
 }
 
 int main(int count, char **word)

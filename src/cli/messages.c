@@ -13,10 +13,22 @@ static void tame(char *text)
         if ((unsigned char)*p < 32 || *p == 127) *p = '?';
 }
 
+/* "IN: " in front of a message about one of several inputs that does not name it itself, else "". */
+static void name_input(const cli_run *run, const char *message, char *prefix, size_t room)
+{
+    const char *const in = run->options.input[0];
+
+    prefix[0] = 0;
+    if (run->batch && strncmp(message, in, strlen(in)) != 0) snprintf(prefix, room, "%s: ", in);
+    tame(prefix);
+}
+
 /* Keep an error for the report and say it; from here on the exit status is known. */
 static int tell_error(cli_run *run, int status, const char *code, const char *message)
 {
     cli_report *const r = &run->report;
+    char prefix[512];
+    name_input(run, message, prefix, sizeof prefix);
     cli_lock();
     snprintf(r->error_code, sizeof r->error_code, "%s", code);
     snprintf(r->error_message, sizeof r->error_message, "%s", message);
@@ -25,7 +37,7 @@ static int tell_error(cli_run *run, int status, const char *code, const char *me
     cli_unlock();
     cli_clear_bar(run);
     fflush(stdout);
-    fprintf(stderr, "bitvox: %s\n", r->error_message);
+    fprintf(stderr, "bitvox: %s%s\n", prefix, r->error_message);
     cli_watch_told();
     return status;
 }
@@ -104,7 +116,7 @@ int cli_fail_status(cli_run *run, bvx_status status, const char *about)
 void cli_warn(cli_run *run, const char *format, ...)
 {
     cli_report *const r = &run->report;
-    char text[512], *copy;
+    char text[512], prefix[512], *copy;
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -112,7 +124,8 @@ void cli_warn(cli_run *run, const char *format, ...)
     tame(text);
     cli_clear_bar(run);
     fflush(stdout);
-    if (!run->options.quiet) fprintf(stderr, "bitvox: warning: %s\n", text);
+    name_input(run, text, prefix, sizeof prefix);
+    if (!run->options.quiet) fprintf(stderr, "bitvox: warning: %s%s\n", prefix, text);
     copy = malloc(strlen(text) + 1);
     if (copy == NULL) return;
     memcpy(copy, text, strlen(text) + 1);

@@ -76,6 +76,8 @@ static const char *const contour_format_names[] = {"csl", "csv", NULL};
 static const cli_argument arguments[] = {
     FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH | CLI_COMPONENTS | CLI_SIMPLIFY, output,
               "where the result goes; the ending tells the format, with .gz behind it\nthe file is packed; - is standard output, with --format"),
+    FILE_NAME("--output-dir", "DIR", CLI_REPAIR | CLI_SIMPLIFY | CLI_CONVERT | CLI_VOXELIZE, output_dir,
+              "in place of -o: a folder, for any number of inputs; each goes to a\nfile of its name there, in --format [its own; voxelize: bvx]"),
     LIST("--resolution", "N", CLI_LOD, resolution, 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis: the mesh's surface is measured with so\n"
          "many, or a solid is made of them for --levels [collapse: as the finest\n"
@@ -271,7 +273,7 @@ static const cli_argument arguments[] = {
     FLAG("--compare", CLI_RENDER, difference, "two inputs in one picture: what the second adds green, what it lacks red"),
     WHOLE("--turntable", "N", CLI_RENDER, turntable, 2, 360, "N pictures once round the axis of --up, to OUT_%d.png"),
     CHOICE("--format", "NAME", CLI_SECTIONS, format, contour_format_names, BVX_FORMAT_CSL, "format of standard input, with - as input: csl or csv"),
-    CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, format_names, BVX_FORMAT_STL, "format of standard input and output, with - as input or after -o:\nstl, obj, ply ... [output: ply, bvx, nrrd for distances, csv, png]"),
+    CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, format_names, BVX_FORMAT_STL, "format of standard input and output, with - as input or after -o,\nor of files in --output-dir: stl, obj, ply ... [output: ply, bvx, nrrd for distances, csv, png]"),
     WHOLE("--threads", "N", CLI_ALL, threads, 0, 1024, "workers, 0: all there are [0]"),
     BYTES("--memory-limit", "BYTES", CLI_ALL, memory_limit,
           "most memory for data; K, M and G are understood [what there is;\nfiles: half of it]"),

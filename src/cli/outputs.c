@@ -137,7 +137,7 @@ static int move_aside(const char *path, const char *name)
     return rename(path, name) == 0;
 }
 
-static int are_one_file(const char *a, const char *b)
+int cli_are_one_file(const char *a, const char *b)
 {
     struct stat s, t;
     return stat(a, &s) == 0 && stat(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
@@ -174,7 +174,7 @@ static int move_aside(const char *path, const char *name)
     return !is_there(name) && rename(path, name) == 0;
 }
 
-static int are_one_file(const char *a, const char *b)
+int cli_are_one_file(const char *a, const char *b)
 {
     (void)a;
     (void)b;
@@ -334,7 +334,7 @@ static cli_output *take_back(cli_run *run, int n)
         o->kept = 0;
         if (o->older == NULL && i < n && o->kind == CLI_OUT_NEW) remove(o->target);
         if (o->older == NULL) continue;
-        if (are_one_file(o->older, o->target)) remove(o->older); /* it still stands there */
+        if (cli_are_one_file(o->older, o->target)) remove(o->older); /* it still stands there */
         else if (rename(o->older, o->target) != 0) lost = o;
     }
     return lost;

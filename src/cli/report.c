@@ -143,7 +143,8 @@ int cli_report_print(cli_run *run, int status)
     FILE *const to = run->standard_taken ? stderr : stdout;
     cli_text text = {NULL, 0, 0, 0};
     int good;
-    cli_report_text(run, status, 0, &text);
+    if (run->report.batch.size != 0) text = run->report.batch;
+    else cli_report_text(run, status, 0, &text);
     cli_watch_report();
     good = !text.failed && fwrite(text.bytes, 1, text.size, to) == text.size;
     good &= fflush(to) == 0 && !ferror(to);

@@ -258,8 +258,9 @@ static int make_label_meshes(cli_run *run, volume_job *j)
 
 int cli_voxelize_volume(cli_run *run, const bvx_window *window)
 {
-    static volume_job j; /* zeroed */
+    static volume_job j;
     int kind, status = check_volume_output(run, &kind);
+    memset(&j, 0, sizeof j);
     if (status == CLI_DONE) status = cli_check_selection(run, run->options.input[0]);
     if (status == CLI_DONE && kind == CLI_GRID) status = cli_open_grid_output(run, run->options.output);
     if (status == CLI_DONE && kind == CLI_MESH && !run->options.all_labels) status = cli_open_output(run, run->options.output);

@@ -85,6 +85,13 @@ void cli_watch_kept(void)
     watch.kept = 1;
 }
 
+void cli_watch_again(void)
+{
+    watch.kept = 0;
+    watch.status = -1;
+    watch.reported = 0;
+}
+
 void cli_watch_decide(int status)
 {
     watch.status = status;
@@ -273,6 +280,11 @@ int cli_interrupted(void)
 void cli_watch_kept(void)
 {
     watch_kept = 1;
+}
+
+void cli_watch_again(void)
+{
+    watch_kept = 0;
 }
 
 void cli_watch_run(cli_run *run)

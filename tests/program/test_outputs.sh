@@ -1,5 +1,5 @@
 #!/bin/sh
-# test_outputs.sh [PROGRAM] - where the bitvox program writes: standard output, packed files.
+# test_outputs.sh [PROGRAM] - where the bitvox program writes: standard output, packed files, folders.
 # PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is
 # "N passed, N failed[, N skipped]". Runs in the repository's root, works in a folder of its own.
 set -u
@@ -173,5 +173,70 @@ else
     run repair "$knot" -o z.ply --resolution 32
     holds 'what was packed is read as it was' cmp y.ply z.ply
 fi
+
+# ---- --output-dir: several inputs ----
+
+mkdir in in/sub
+for ending in stl obj off; do run convert "$knot" -o in/a_$ending.$ending; done
+echo bad >in/bad.stl
+cp in/a_stl.stl in/sub/a_stl.stl
+each() { # NAME, ENDING, FOLDER, COMMAND...: each of a_stl, a_obj, a_off gives the file that it gives alone
+    name=$1 ending=$2 folder=$3 good=0
+    shift 3
+    command=$1
+    shift
+    "$program" "$command" in/a_stl.stl in/a_obj.obj in/a_off.off --output-dir "$folder" "$@" >out 2>err </dev/null || good=1
+    for input in stl obj off; do
+        run "$command" in/a_$input.$input -o "alone.${ending:-$input}" ${only:-"$@"}
+        cmp -s "alone.${ending:-$input}" "$folder/a_$input.${ending:-$input}" || good=1
+    done
+    result "$name" $good
+}
+each 'repair of several' '' of_repair repair --resolution 32
+each 'voxelize of several' bvx of_voxelize voxelize --resolution 24
+only='--count 1' each 'simplify of several' ply of_simplify simplify --count 1 --format ply
+only='--quiet' each 'convert of several' glb of_convert convert --format glb --quiet
+only=
+rm -f alone.*
+
+run repair in/a_stl.stl in/bad.stl in/a_off.off none.ply --output-dir some --resolution 32
+holds 'a failing input does not stop the others' sh -c "test $status = 1 && test \"\$(ls some)\" = 'a_off.off
+a_stl.stl' && cmp some/a_off.off of_repair/a_off.off && grep -q '^bitvox: in/bad.stl: STL' err && grep -q '^bitvox: none.ply: ' err &&
+    grep -q '^2 of 4 files written to some' out"
+run voxelize knot.bvx in/bad.stl --output-dir some
+holds 'the status is that of the first failure' test $status = 2
+run repair in/a_stl.stl in/bad.stl --output-dir some --resolution 32 --json
+if has python3; then
+    python3 -c 'import json
+r = json.load(open("out"))
+assert (r["status"], r["command"], r["done"], r["failed"]) == ("failed", "repair", 1, 1)
+a, b = r["files"]
+assert (a["input"], a["output"], a["status"]) == ("in/a_stl.stl", "some/a_stl.stl", "done") and a["meshes"][0]["closed"]
+assert (b["input"], b["status"], b["error"]["code"]) == ("in/bad.stl", "failed", "BVX_ERR_FORMAT")' 2>err
+    result 'one report of all' $?
+else
+    skip 'one report of all' 'python3 is missing'
+fi
+warned="in/a_stl.stl: walls thinner"
+run repair in/a_stl.stl in/a_obj.obj --output-dir some --resolution 24
+holds 'warnings name their file' sh -c "grep -q '^bitvox: warning: $warned' err && ! grep '^bitvox: warning: ' err | grep -v -q ': in/a_'"
+if [ -e in/../some ] && gzip -c in/a_off.off >in/packed.off.gz 2>/dev/null && run info in/packed.off.gz && [ $status = 0 ]; then
+    run convert in/packed.off.gz --output-dir some --format ply
+    holds 'the ending in place of a packed one' test -s some/packed.ply
+fi
+run voxelize "$root/fixtures/waves.nhdr" "$root/fixtures/labels.npy" --output-dir volumes --level 3 --format ply
+holds 'volumes' sh -c "test $status = 0 && test -s volumes/waves.ply && test -s volumes/labels.ply"
+rm -rf some of_* volumes
+
+refuses 2 'would both become some/a_stl.ply' convert in/a_stl.stl in/sub/a_stl.stl --output-dir some --format ply
+refuses 2 'would replace the input in/a_stl.stl' convert in/a_obj.obj in/a_stl.stl --format stl --output-dir in
+refuses 2 'lacks the format' convert in/a_stl.stl --output-dir some
+refuses 2 'exclude each other' repair in/a_stl.stl --output-dir some -o x.ply
+refuses 2 'is not written by repair' repair in/a_stl.stl --output-dir some --format npy
+refuses 2 'standard input has no name' repair - --output-dir some
+refuses 2 'several with --output-dir' repair in/a_stl.stl in/a_obj.obj -o x.ply
+refuses 2 'lod has no use for --output-dir' lod in/a_stl.stl --output-dir some
+refuses 1 'cannot be made a folder' repair in/a_stl.stl --output-dir in/bad.stl
+refuses 2 'lacks its input' repair --output-dir some
 
 counts
