@@ -646,21 +646,32 @@ double cli_seconds(void); /* of a clock that only goes forward */
 /* A stage begins and ends, under the name that the report and the progress tell; the end returns its seconds. */
 void cli_stage_begin(cli_run *run, const char *format, ...);
 double cli_stage_end(cli_run *run);
+/* How many calls of the library, and files written, the stage is made of; 1 where nothing is said. */
+void cli_stage_calls(cli_run *run, int calls);
 int32_t cli_progress(void *run, const char *stage, double fraction); /* a bvx_progress_fn */
-/* The last line of the last stage; no bar stays behind. */
+/* The last line, of fraction 1 after a success; no bar stays behind. */
 void cli_progress_end(cli_run *run, int status);
 void cli_clear_bar(cli_run *run);
 
 typedef struct cli_progress_state {
     char stage[32];   /* "" before the first */
     int named;        /* the command has begun it and not ended it */
-    int parts;        /* different works in it so far */
-    double start, ended; /* ended 0: it still runs */
-    double base, reached; /* fraction when the part began, fraction now */
+    double low, high; /* its share of the run */
+    int calls, call;  /* of the library in it: how many, and which one runs */
+    int moved;        /* it has reported something */
+    int row, time;    /* of the plan; row -1: before the first */
+    int made, measured; /* levels, for the plan: made one after the other, measured likewise */
+    double start, ended; /* of the stage, seconds; ended 0: it still runs */
+    double reached;   /* of the run */
     double told;      /* when the last line or bar was shown */
     int bar;          /* a bar stands on the terminal */
     int way;          /* CLI_BAR_..., 0: not yet decided */
 } cli_progress_state;
+
+/* ---- plan.c: the stages of a command ---- */
+
+/* The share of the run that the stage which begins now has; 0 when it is not in the command's plan. */
+int cli_plan_stage(cli_run *run, const char *name, double *low, double *high);
 
 /* ---- watch.c: interrupts ---- */
 

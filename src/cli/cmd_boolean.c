@@ -209,6 +209,7 @@ static int combine_grids(cli_run *run, boolean_run *b)
     bvx_extract_options e;
     bvx_status status;
     cli_stage_begin(run, "boolean");
+    cli_stage_calls(run, 1 + (b->in[0].kind == CLI_MESH) + (b->in[1].kind == CLI_MESH) + (b->kind == CLI_MESH));
     status = fill_operands(run, b);
     if (status == BVX_OK && run->options.resample) status = resample_operand(run, b);
     for (int i = 0; i < 2 && status == BVX_OK; i++) status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);

@@ -198,6 +198,7 @@ static int lod_by_solid(cli_run *run, int kind)
 
     c.kind = kind;
     status = check_lod_options(run, &c);
+    run->progress.made = run->progress.measured = c.count;
     if (status == CLI_DONE) status = cli_open_levels(run, c.count, c.path);
     if (status == CLI_DONE) status = make_chain(run, &c);
     for (int i = 0; i < c.count; i++) bvx_mesh_free(run->context, &c.mesh[i]);

@@ -116,6 +116,7 @@ static int render_sheet(cli_run *run)
     }
     if (status == CLI_DONE) {
         cli_stage_begin(run, "write");
+        cli_stage_calls(run, 2);
         status = write_image(run, 0, &s.image);
         if (status == CLI_DONE) status = cli_keep_outputs(run);
         cli_stage_end(run);

@@ -55,6 +55,7 @@ static int write_contours(cli_run *run, const bvx_sections *sections)
     bvx_status status;
     int result;
     cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
     status = bvx_write_sections(run->context, sections, bvx_format_of_name(path), &file);
     result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);

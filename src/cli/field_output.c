@@ -43,6 +43,7 @@ int cli_write_field(cli_run *run, const bvx_field *field)
     bvx_status status;
     int result;
     cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
     status = bvx_write_field(run->context, field, run->options.vectors, format, &file);
     result = write_field_buffer(run, 0, status, &file);
     if (result == CLI_DONE && cli_needs_sidecar(format)) {

@@ -65,6 +65,7 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid)
     bvx_status status;
     int result;
     cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
     status = bvx_write_grid(run->context, grid, format, &file);
     result = write_buffer(run, 0, status, &file);
     if (result == CLI_DONE && cli_needs_sidecar(format)) {

@@ -146,6 +146,7 @@ static int run_command(cli_run *run, int count, char **word)
     }
     if (status == CLI_DONE) {
         run->start = cli_seconds();
+        run->progress.row = -1;
         cli_watch_run(run);
         if (run->options.output_dir != NULL) return cli_run_batch(run);
         status = run->command->run(run);

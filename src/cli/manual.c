@@ -118,9 +118,10 @@ void cli_print_manual(void)
     put_section("COMMON OPTIONS");
     put_options(CLI_ALL, 1);
     put_section("PROGRESS AND REPORT");
-    put_roff("On a terminal a bar shows the stage, its percentage and, where it can be told, the time left, once half a second "
+    put_roff("On a terminal a bar shows the percentage of the whole run, the stage and about how much time is left, once half a second "
              "has passed. With --progress=json lines of JSON go to standard error instead, at most ten a second and the last of "
-             "each stage: stage, fraction (of the stage, never falling), elapsed (seconds of the stage).");
+             "each stage: stage, fraction (of the whole run, never falling; the last line of a run that succeeds has 1), elapsed "
+             "(seconds of the run).");
     putchar('\n');
     put_paragraph("With --json one JSON object goes to standard output, also after a failure: status (done, failed, "
                   "interrupted), command, lattice, set, stages, meshes, warnings, peak_bytes, and error with code and message; info adds "

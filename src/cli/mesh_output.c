@@ -268,6 +268,7 @@ int cli_write_mesh_as(cli_run *run, const bvx_mesh *mesh, int number, const char
 
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
     result = put_mesh(run, mesh, number, path);
     cli_stage_end(run);
     return result;
@@ -279,6 +280,7 @@ int cli_write_mesh(cli_run *run, const bvx_mesh *mesh)
 
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
     result = put_mesh(run, mesh, 0, run->options.output);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
@@ -319,6 +321,7 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
 
     result = certify_file(run, placed, count, 0, path);
     cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
     if (result == CLI_DONE) result = put_levels_file(run, placed, count, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     if (result == CLI_DONE) cli_stage_end(run);
@@ -334,6 +337,7 @@ int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *cons
 
     for (int i = 0; i < count && result == CLI_DONE; i++) result = judge_mesh(run, &levels[i], i, path[i]);
     cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2 * count);
     for (int i = 0; i < count && result == CLI_DONE; i++) result = put_mesh(run, &levels[i], i, path[i]);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     if (result == CLI_DONE) cli_stage_end(run);

@@ -1,8 +1,8 @@
 /* terminal.c - time, and the progress of a run: a bar for people, lines of JSON for programs.
  *
- * A stage is what the command names: "level 0". The library may do several works in it, one after the other or in
- * turns, each counting from 0 to 1; a new work shares what the stage still lacks, so that the fraction told never falls.
- * The time left is estimated only where one work is the whole stage. */
+ * A stage is what the command names: "level 0". It has the share of the run that plan.c gives it, and its calls of the library,
+ * which report 0 to 1 each, share it evenly: cli_stage_calls says how many there are. One fraction rises from 0 to 1 over the
+ * whole run; 1 is reported when the run has succeeded. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
 #define TERMINAL_POSIX 1
@@ -23,8 +23,8 @@
 
 #define BAR_AFTER 0.5    /* seconds of work before a bar is shown */
 #define TOLD_EVERY 0.1   /* seconds between two looks of it, or two lines */
-#define LEFT_AFTER 1.0   /* seconds of a stage before the rest is estimated */
-#define LEFT_FRACTION 0.02 /* of the stage, likewise */
+#define LEFT_AFTER 1.0   /* seconds of a run before the rest is estimated */
+#define LEFT_FRACTION 0.05 /* of the run, likewise */
 
 enum { BAR_WIDTH = 24 };
 
@@ -59,12 +59,6 @@ static int progress_way(cli_run *run)
     return run->progress.way;
 }
 
-/* Names are kept cut to their room. */
-static int is_named(const char *kept, size_t room, const char *name)
-{
-    return strncmp(kept, name, room - 1) == 0;
-}
-
 static void note_bar(cli_run *run, int stands)
 {
     cli_lock();
@@ -73,12 +67,13 @@ static void note_bar(cli_run *run, int stands)
 }
 
 /* "12 s left" where that can be told. */
-static void time_left(const cli_progress_state *p, double now, char *text, size_t room)
+static void time_left(const cli_run *run, double now, char *text, size_t room)
 {
-    double const elapsed = now - p->start;
+    const cli_progress_state *const p = &run->progress;
+    double const elapsed = now - run->start;
     double left;
     text[0] = 0;
-    if (p->parts > 1 || elapsed < LEFT_AFTER || p->reached < LEFT_FRACTION) return;
+    if (elapsed < LEFT_AFTER || p->reached < LEFT_FRACTION) return;
     left = elapsed / p->reached * (1.0 - p->reached);
     if (left < 1.0) return;
     if (left < 100.0) snprintf(text, room, ", %.0f s left", left);
@@ -93,18 +88,19 @@ static void draw_bar(cli_run *run, double now)
     int const filled = (int)(p->reached * BAR_WIDTH);
     for (int i = 0; i < BAR_WIDTH; i++) bar[i] = i < filled ? '#' : '.';
     bar[BAR_WIDTH] = 0;
-    time_left(p, now, left, sizeof left);
+    time_left(run, now, left, sizeof left);
     note_bar(run, 1);
     fprintf(stderr, "\r[%s] %3.0f %% %s%s\033[K", bar, p->reached * 100.0, p->stage, left);
     fflush(stderr);
 }
 
-static void print_line(const cli_progress_state *p, double now)
+static void print_line(const cli_run *run, double now)
 {
+    const cli_progress_state *const p = &run->progress;
     cli_text text = {NULL, 0, 0, 0};
     cli_text_add(&text, "{\"stage\": ");
     cli_json_string(&text, p->stage);
-    cli_text_add(&text, ", \"fraction\": %.4f, \"elapsed\": %.3f}\n", p->reached, now - p->start);
+    cli_text_add(&text, ", \"fraction\": %.4f, \"elapsed\": %.3f}\n", p->reached, now - run->start);
     if (!text.failed) fwrite(text.bytes, 1, text.size, stderr);
     fflush(stderr);
     cli_text_free(&text);
@@ -116,7 +112,7 @@ static void tell_progress(cli_run *run, int last)
     double const now = p->ended != 0.0 ? p->ended : cli_seconds();
     int const way = progress_way(run);
     if (!last && now - p->told < TOLD_EVERY) return;
-    if (way == CLI_BAR_JSON) print_line(p, now);
+    if (way == CLI_BAR_JSON) print_line(run, now);
     else if (way == CLI_BAR_DRAW && now - run->start > BAR_AFTER) draw_bar(run, now);
     else return;
     p->told = now;
@@ -127,7 +123,7 @@ static void close_stage(cli_run *run, int done)
 {
     cli_progress_state *const p = &run->progress;
     if (p->stage[0] == 0) return;
-    if (done) p->reached = 1.0;
+    if (done && p->high > p->reached) p->reached = p->high;
     if (progress_way(run) == CLI_BAR_JSON) tell_progress(run, 1);
     p->stage[0] = 0;
 }
@@ -137,9 +133,12 @@ static void open_stage(cli_run *run, const char *name)
     cli_progress_state *const p = &run->progress;
     close_stage(run, 1);
     snprintf(p->stage, sizeof p->stage, "%s", name);
-    p->parts = 0;
     p->start = cli_seconds();
-    p->ended = p->base = p->reached = 0.0;
+    p->ended = 0.0;
+    p->calls = 1;
+    p->call = p->moved = 0;
+    if (!cli_plan_stage(run, name, &p->low, &p->high)) p->low = p->high = p->reached;
+    if (p->low > p->reached) p->reached = p->low;
 }
 
 void cli_stage_begin(cli_run *run, const char *format, ...)
@@ -170,26 +169,40 @@ double cli_stage_end(cli_run *run)
     return p->ended - p->start;
 }
 
+void cli_stage_calls(cli_run *run, int calls)
+{
+    run->progress.calls = calls > 1 ? calls : 1;
+}
+
+/* Calls that report nothing but their end are too small to be counted. */
 int32_t cli_progress(void *user, const char *work, double fraction)
 {
     cli_run *const run = user;
     cli_progress_state *const p = &run->progress;
+    double at;
+    (void)work;
     if (cli_interrupted()) return 1;
-    if (!p->named && (p->stage[0] == 0 || p->ended != 0.0 || !is_named(p->stage, sizeof p->stage, work))) open_stage(run, work);
-    fraction = fraction >= 0.0 ? fraction < 1.0 ? fraction : 1.0 : 0.0; /* also when it is no number */
-    if (p->parts == 0 || p->base + (1.0 - p->base) * fraction < p->reached) {
-        p->parts++;
-        p->base = p->reached;
+    if (!p->named) return 0;
+    if (fraction >= 1.0) {
+        p->call += p->moved && p->call + 1 < p->calls;
+        p->moved = 0;
+        return 0;
     }
-    p->reached = p->base + (1.0 - p->base) * fraction;
+    p->moved = 1;
+    at = p->low + (p->high - p->low) * ((p->call + fraction) / p->calls);
+    if (at > p->reached) p->reached = at < p->high ? at : p->high;
     tell_progress(run, 0);
     return 0;
 }
 
 void cli_progress_end(cli_run *run, int status)
 {
-    if (status == CLI_DONE) close_stage(run, 1);
-    else if (status != CLI_INTERRUPTED) close_stage(run, 0);
+    if (status == CLI_DONE) {
+        run->progress.high = 1.0;
+        close_stage(run, 1);
+    } else if (status != CLI_INTERRUPTED) {
+        close_stage(run, 0);
+    }
     cli_clear_bar(run);
 }
 

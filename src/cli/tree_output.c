@@ -128,6 +128,7 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
     int result;
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
     cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
     status = bvx_write_octree(run->context, t->tree, run->options.states, bvx_format_of_name(path), &file);
     result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
