@@ -400,6 +400,15 @@ void cli_tell_volume(cli_run *run, const cli_volume *volume, const bvx_volume_re
 /* The side-car of a file without a lattice, where there is one; grid is all of the file or a part of it. */
 int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed);
 
+/* ---- section_info.c: contours of sections ---- */
+
+/* 1 for .csl and .csv. */
+int cli_is_contours(const cli_run *run, const char *path);
+/* Read contours; creates run->context when there is none. */
+int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections);
+/* Read them and say what they are. */
+int cli_tell_sections(cli_run *run, const char *path);
+
 /* ---- volume_output.c: voxelize of a volume ---- */
 
 /* To a grid, or by the output's ending to one mesh or one a label. */

@@ -287,8 +287,15 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud)
 
 static int run_info(cli_run *run)
 {
+    const char *const path = run->options.input[0];
     cli_input in;
-    int cloud, status = read_for_info(run, &in, &cloud);
+    int cloud, status;
+
+    if (cli_is_contours(run, path)) {
+        if (run->options.count_crossings) return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
+        return cli_tell_sections(run, path);
+    }
+    status = read_for_info(run, &in, &cloud);
     if (status == CLI_DONE && cloud) status = info_of_cloud(run, &in.mesh, in.path);
     else if (status == CLI_DONE)
         status = in.kind == CLI_MESH ? info_of_mesh(run, &in.mesh) : in.kind == CLI_TREE ? info_of_tree(run, &in) : info_of_grid(run, &in);
@@ -302,6 +309,7 @@ const cli_command cli_info = {
     "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
     ".vti .bvx) and tells its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
     ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and tells what each of\n"
-    "its levels holds; or a cloud of points (.xyz, .ply) and tells how many, and where they lie.",
+    "its levels holds; or a cloud of points (.xyz, .ply) and tells how many, and where they lie; or contours\n"
+    "(.csl .csv) and tells their sections, loops, labels and planes.",
     "bitvox info fixtures/knot.ply\n"
     "bitvox info fixtures/knot.ply --crossings --json", run_info};

@@ -22,16 +22,11 @@ typedef struct sections_job {
     cli_reduction reduction;
 } sections_job;
 
-static int is_contour_format(int32_t format)
-{
-    return format == BVX_FORMAT_CSL || format == BVX_FORMAT_CSV;
-}
-
 static int check_sections_options(cli_run *run)
 {
     const cli_options *const o = &run->options;
     int32_t const format = cli_input_format(run, o->input[0]);
-    if (!is_contour_format(format))
+    if (!cli_is_contours(run, o->input[0]))
         return cli_usage(run, "%s: the name ends in no contour format that is read (.csl .csv, also with .gz)", cli_input_name(o->input[0]));
     if (cli_kind_of_format(bvx_format_of_name(o->output)) != CLI_MESH)
         return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", o->output);
@@ -49,26 +44,6 @@ static int check_sections_options(cli_run *run)
             if (!(o->block.value[k] > 0.0 && o->block.value[k] < 1e300)) return cli_usage(run, "--block: sides must be above 0");
     }
     return CLI_DONE;
-}
-
-static int read_contours(cli_run *run, bvx_sections *sections)
-{
-    const char *const path = run->options.input[0];
-    cli_bytes b = {NULL, 0, 0, 0};
-    int status = cli_read_file(run, path, &b);
-    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
-    if (status == CLI_DONE) {
-        bvx_read_sections_options o;
-        bvx_status read;
-        bvx_read_sections_options_init(&o, sizeof o);
-        o.close_gap = run->options.close_gap;
-        cli_stage_begin(run, "parse");
-        read = bvx_read_sections(run->context, b.bytes, b.size, cli_input_format(run, path), &o, sections);
-        cli_stage_end(run);
-        if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
-    }
-    free(b.bytes);
-    return status;
 }
 
 static int build_body(cli_run *run, sections_job *job)
@@ -309,7 +284,7 @@ static int run_sections(cli_run *run)
     memset(&job, 0, sizeof job);
     if (status == CLI_DONE) status = cli_open_output(run, run->options.output);
     if (status == CLI_DONE && run->options.block_model != NULL) status = cli_open_output(run, run->options.block_model);
-    if (status == CLI_DONE) status = read_contours(run, &job.sections);
+    if (status == CLI_DONE) status = cli_read_sections(run, run->options.input[0], &job.sections);
     if (status == CLI_DONE) status = build_body(run, &job);
     if (status == CLI_DONE && run->options.block_model != NULL) status = make_blocks(run, &job, &blocks);
     if (status == CLI_DONE) status = reduce_body(run, &job);

@@ -142,4 +142,29 @@ else
     skip 'walls of a heart' 'the file is not there'
 fi
 
+# ---- info ----
+
+printf 'section,position,loop,label,x,y\n' >two.csv
+for z in 3 0 1; do # planes in any order, not evenly spaced
+    for corner in 0,0 4,0 4,4 0,4; do echo "$z,$z,0,1,$corner" >>two.csv; done
+    [ $z = 0 ] || for corner in 6,-1 8,-1 7,5; do echo "$z,$z,1,7,$corner" >>two.csv; done
+done
+gives 'info: sections' 0 'sections    3' info two.csv
+for words in 'loops       5 of 18 points' 'labels      2: 1 (3 loops), 7 (2 loops)' 'across 0, 0, 1, from 0 to 3' '1.5 from plane to plane in the mean' \
+    'x           0 .. 8 (8)' 'y           -1 .. 5 (6)' 'z           0 .. 3 (3)'; do
+    gives "info: $words" 0 "$words" info two.csv
+done
+run info two.csv --json
+is 'info: the report' "$(field sections) $(field empty_sections) $(field first_position) $(field last_position) $(field mean_distance)" '3 0 0 3 1.5'
+gives 'info: labels in the report' 0 '"labels": [{"label": 1, "loops": 3, "points": 12}, {"label": 7, "loops": 2, "points": 6}]' info two.csv --json
+gives 'info: no crossings of contours' 2 '--crossings is used with meshes' info two.csv --crossings
+gives 'info: bad contours' 1 'two.csl' info two.csl
+if [ -e "$contours/orex_eight_15.csl.gz" ]; then
+    gives 'info: a packed .csl' 0 'loops       21 of 2028 points' info "$contours/orex_eight_15.csl.gz"
+else
+    skip 'info: a packed .csl' 'the file is not there'
+fi
+printf 'CSLC\n3 1\n\n1 4 1 0 0 1 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 1 0 1 2 3\n\n2 0 0 0 0 1 -1\n\n3 4 1 0 0 1 -2\n0 0 2\n4 0 2\n4 4 2\n0 4 2\n4 1 0 1 2 3\n' >gap.csl
+gives 'info: empty sections' 0 'sections    3, 1 of them empty' info gap.csl
+
 counts
