@@ -92,6 +92,15 @@ static void warn_of_sheets(cli_run *run, const lod_collapse *l)
                  r->refused_edges, r->refused_edges == 1 ? " has" : "s have", a[0], a[1], a[2], b[0], b[1], b[2]);
 }
 
+static void warn_of_lowered(cli_run *run, const lod_collapse *l)
+{
+    if (l->report.resolution < l->report.planned_resolution)
+        cli_warn(run,
+                 "the memory limit lowered the resolution from %" PRId32 " to %" PRId32 " voxels along the longest axis; a larger "
+                 "--memory-limit keeps more detail",
+                 l->report.planned_resolution, l->report.resolution);
+}
+
 static int is_measured(const lod_collapse *l)
 {
     return l->report.source == BVX_LEVELS_MEASURED;
@@ -186,6 +195,8 @@ static void report_levels(cli_run *run, const lod_collapse *l)
     cli_json_count(t, "turned", l->report.turned);
     cli_json_count(t, "refused_edges", l->report.refused_edges);
     cli_json_count(t, "crumbs", l->report.crumbs);
+    cli_json_count(t, "resolution", (uint64_t)l->report.resolution);
+    cli_json_count(t, "planned_resolution", (uint64_t)l->report.planned_resolution);
     cli_json_count(t, "surface_triangles", l->report.triangles);
     cli_json_count(t, "surface_components", l->run.surface.components);
     cli_json_value(t, "diagonal", l->run.diagonal);
@@ -218,6 +229,7 @@ int cli_lod_by_collapse(cli_run *run)
     if (status == CLI_DONE) {
         warn_of_unused(run, &l);
         warn_of_sheets(run, &l);
+        warn_of_lowered(run, &l);
         report_levels(run, &l);
     }
     cli_free_collapse(run, &l.run);

@@ -16,6 +16,7 @@ enum {
     PLAN_RATIO = 16,  /* triangles of the measured surface to one of the finest level */
     PLAN_LEAST = 256, /* voxels along the longest axis */
     PLAN_MOST = 320,
+    PLAN_LOWEST = 32, /* that a memory limit leaves */
     SCAN_LEAST = 500000, /* meshes of more triangles are scans */
     SCAN_RATIO = 24      /* and are measured where they have this many triangles to one of the finest level */
 };
@@ -255,7 +256,7 @@ static bvx_status simplify_as_it_is(levels_job *job, const bvx_mesh_view *welded
     return bvxi_levels_make(job->ctx, &job->chain, welded);
 }
 
-static bvx_status repair_surface(levels_job *job, bvx_mesh *surface)
+static bvx_status repair_surface(levels_job *job, int32_t resolution, bvx_mesh *surface)
 {
     const bvx_levels_options *const o = job->options;
     int32_t const type = o->position_type != 0 ? o->position_type : BVX_F32;
@@ -264,9 +265,7 @@ static bvx_status repair_surface(levels_job *job, bvx_mesh *surface)
 
     bvx_repair_options_init(&r, sizeof r);
     r.lattice = o->lattice;
-    r.resolution = o->resolution;
-    if (o->resolution == 0)
-        BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &r.resolution));
+    r.resolution = resolution;
     r.sharp = o->sharp;
     r.sign = o->sign;
     r.shell = o->shell;
@@ -285,11 +284,13 @@ static bvx_status repair_surface(levels_job *job, bvx_mesh *surface)
     return status;
 }
 
-static bvx_status simplify_measured(levels_job *job)
+static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
 {
     bvx_mesh surface = {0};
     bvx_mesh_view view;
-    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.25, repair_surface(job, &surface));
+    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.25, repair_surface(job, resolution, &surface));
+
+    job->report.crumbs = 0;
 
     if (status == BVX_OK) status = drop_crumbs(job, &surface);
     if (status == BVX_OK) {
@@ -301,6 +302,24 @@ static bvx_status simplify_measured(levels_job *job)
         status = BVXI_SHARE(job->ctx, 0.25, 1.0, bvxi_levels_make(job->ctx, &job->chain, &view));
     }
     bvx_mesh_free(job->ctx, &surface);
+    return status;
+}
+
+/* Where a memory limit refuses the lattice that was planned, a coarser one may fit: what fits is found out by trying, since what the
+ * mesh itself takes is the same for all. */
+static bvx_status simplify_measured(levels_job *job)
+{
+    const bvx_levels_options *const o = job->options;
+    int32_t resolution = o->resolution;
+    int const is_given = o->lattice != NULL || o->resolution != 0;
+    bvx_status status;
+
+    if (!is_given) BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &resolution));
+    job->report.planned_resolution = resolution;
+
+    while ((status = simplify_measured_at(job, resolution)) == BVX_ERR_BUDGET && !is_given && resolution > PLAN_LOWEST)
+        resolution = resolution * 4 / 5 > PLAN_LOWEST ? resolution * 4 / 5 : PLAN_LOWEST;
+    job->report.resolution = resolution;
     return status;
 }
 

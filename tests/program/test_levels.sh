@@ -168,6 +168,10 @@ refuses 1 'level 1' lod cube.obj -o c_%d.ply --triangles 4,2 --samples 0 --stric
 refuses 1 'level 0' simplify cube.obj -o c.ply --triangles 2 --strict
 warns 'less volume than the input' lod cube.obj -o c.ply --triangles 4 --samples 0
 rm -f c.ply
+warns 'the memory limit lowered the resolution from 256 to ' lod "$knot" -o c.ply --triangles 400 --source measured --memory-limit 20M --samples 0
+reports 'lod with a memory limit' '32 <= r["levels"]["resolution"] < r["levels"]["planned_resolution"] == 256 and r["peak_bytes"] <= 20 * 2 ** 20' \
+    lod "$knot" -o c.ply --triangles 400 --source measured --memory-limit 20M --samples 0
+refuses 1 'limit' lod "$knot" -o c.ply --triangles 400 --resolution 256 --memory-limit 20M --samples 0
 warns 'the measured surface has 1 piece, the input 2: parts that touch became one' lod two.obj -o c.ply --triangles 200 --samples 0
 warns 'less volume than the input: parts that overlap count once' lod two.obj -o c.ply --triangles 200 --samples 0
 warns '--sharp had no use' lod "$knot" -o c.ply --triangles 2000 --samples 0 --sharp

@@ -1,0 +1,203 @@
+/* test_level_memory.c - bvx_build_levels takes what the header states, and lowers the lattice that it plans where a memory limit asks
+ * for it. */
+#include "levels_support.h"
+
+static bvx_levels_report found;
+static float corners[9 * 100000];
+
+/* What the header states, for one thread and without border edges. */
+static double stated_bytes(uint64_t triangles, uint64_t grid_bytes)
+{
+    double const n = (double)triangles, s = (double)found.triangles, g = (double)grid_bytes;
+    double const measuring = 200 * n + 30 * s + 5 * g, collapsing = 12 * n + 170 * s;
+    double const most = found.source == BVX_LEVELS_MESH ? 175 * n : measuring > collapsing ? measuring : collapsing;
+    return most + 24 * (double)found.before.boundary_edges + 400e3 + (found.triangles > 20000 ? 1.3e6 : 0);
+}
+
+static void make_star(int32_t rings, int32_t segments)
+{
+    static const double centre[3] = {1, 2, 3}, radius[3] = {4, 3, 2};
+    maker_clear(&mesh);
+    maker_star(&mesh, &seed, centre, radius, 0, rings, segments, 1 << 20);
+}
+
+/* Holes here and there, or all beyond a plane gone. */
+static void open_star(int half)
+{
+    size_t kept = 0;
+    for (size_t t = 0; t < mesh.triangles; t++) {
+        if (half ? mesh.p[3 * mesh.t[3 * t]] < 2 : t % 100 < 10) continue;
+        memmove(mesh.t + 3 * kept++, mesh.t + 3 * t, 3 * sizeof *mesh.t);
+    }
+    mesh.triangles = kept;
+}
+
+static bvx_levels_options options_at(int32_t resolution)
+{
+    static const uint64_t target = 500;
+    bvx_levels_options o;
+    bvx_levels_options_init(&o, sizeof o);
+    o.target_triangles = &target;
+    o.resolution = resolution;
+    o.report = &found;
+    return o;
+}
+
+/* The share of what is stated that a call takes. */
+static double share_of_stated(const char *name, const bvx_mesh_view *view, const bvx_levels_options *o)
+{
+    uint64_t before;
+    double share;
+    drop_levels();
+    before = bvx_memory_used(ctx);
+    bvx_memory_reset_peak(ctx);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, view, o, 1, level), bvx_last_message(ctx));
+    share = (double)(bvx_memory_peak(ctx) - before) /
+            stated_bytes(view->triangle_count, found.source == BVX_LEVELS_MESH ? 0 : 8 * bvx_grid_bound(&found.repair.lattice, NULL));
+    snprintf(where, sizeof where, "%s at %d: %.3f of what is stated, for %d triangles and %d of the surface", name, (int)o->resolution, share,
+             (int)view->triangle_count, (int)found.triangles);
+    TEST_ASSERT_TRUE_MESSAGE(share <= 1, where);
+    return share;
+}
+
+static void test_memory_is_as_the_header_says(void)
+{
+    static const int32_t resolutions[3] = {64, 128, 256};
+    double largest = 0;
+    for (int r = 0; r < (quick ? 1 : 3); r++)
+        for (int way = 0; way < 5; way++) {
+            static const char *const name[5] = {"small", "large", "with holes", "half", "with sharp edges"};
+            bvx_levels_options o = options_at(resolutions[r]);
+            bvx_mesh_view view;
+            double share;
+            if (way == 0) make_star(40, 40);
+            else make_star(200, 200);
+            if (way == 2 || way == 3) open_star(way == 3);
+            if (way == 4) o.sharp = 1;
+            view = maker_view(&mesh);
+            share = share_of_stated(name[way], &view, &o);
+            if (share > largest) largest = share;
+        }
+    TEST_ASSERT_TRUE_MESSAGE(largest > 0.85, "what is stated is far from what is taken");
+}
+
+/* Floats without indices: three vertices a triangle. */
+static void test_memory_of_triangles_without_indices(void)
+{
+    bvx_levels_options const o = options_at(64);
+    bvx_mesh_view view = {.position_type = BVX_F32};
+    make_star(200, 200);
+    TEST_ASSERT_TRUE(9 * mesh.triangles <= sizeof corners / sizeof *corners);
+    for (size_t i = 0; i < 9 * mesh.triangles; i++) corners[i] = (float)mesh.p[3 * mesh.t[i / 3] + i % 3];
+    view.positions = corners;
+    view.vertex_count = 3 * mesh.triangles;
+    view.triangle_count = mesh.triangles;
+    TEST_ASSERT_TRUE_MESSAGE(share_of_stated("without indices", &view, &o) > 0.6, where);
+}
+
+static void test_memory_of_meshes_as_they_are(void)
+{
+    bvx_levels_options o = options_at(0);
+    bvx_mesh_view view;
+    make_star(200, 200);
+    view = maker_view(&mesh);
+    TEST_ASSERT_TRUE_MESSAGE(share_of_stated("as it is", &view, &o) > 0.8, where);
+    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
+    open_star(0);
+    view = maker_view(&mesh);
+    o.open = BVX_OPEN_CUT;
+    TEST_ASSERT_TRUE_MESSAGE(share_of_stated("open", &view, &o) > 0.8, where);
+    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
+}
+
+/* ---- Limits ---- */
+
+static bvx_context *limited; /* that of the last call that succeeded */
+
+static bvx_status build_within(uint64_t limit, const bvx_levels_options *o, bvx_mesh *made, uint64_t *peak)
+{
+    bvx_mesh_view const view = maker_view(&mesh);
+    bvx_context_options c;
+    bvx_status status;
+    bvx_context_options_init(&c, sizeof c);
+    c.threads = 1;
+    c.memory_limit = limit;
+    memset(&found, 0, sizeof found);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &limited));
+    status = bvx_build_levels(limited, &view, o, 1, made);
+    snprintf(where, sizeof where, "limit %d: %s", (int)limit, status != BVX_OK ? bvx_last_message(limited) : "done");
+    *peak = bvx_memory_peak(limited);
+    if (status == BVX_OK) return status;
+    TEST_ASSERT_NULL_MESSAGE(made->positions, where);
+    TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, bvx_memory_used(limited), where);
+    bvx_context_destroy(limited);
+    return status;
+}
+
+static void end_within(bvx_mesh *made)
+{
+    bvx_mesh_free(limited, made);
+    bvx_context_destroy(limited);
+}
+
+static void test_limits_lower_the_lattice(void)
+{
+    bvx_levels_options o = options_at(0);
+    int32_t planned, before;
+    uint64_t peak, all;
+    bvx_mesh made = {0};
+    make_star(60, 60);
+    o.source = BVX_LEVELS_MEASURED;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(0, &o, &made, &all), where);
+    end_within(&made);
+    planned = found.planned_resolution;
+    TEST_ASSERT_TRUE(planned >= 256 && found.resolution == planned);
+
+    before = planned;
+    for (uint64_t limit = all; limit > all / 40; limit = limit / 5 * 2) {
+        bvx_levels_options same = options_at(0);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(limit, &o, &made, &peak), where);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(planned, found.planned_resolution, where);
+        TEST_ASSERT_TRUE_MESSAGE(peak <= limit && found.resolution <= before && found.resolution >= 32, where);
+        TEST_ASSERT_TRUE_MESSAGE((limit == all) == (found.resolution == planned), where);
+        before = found.resolution;
+
+        /* What comes of it is what the resolution gives that the report names. */
+        same.source = BVX_LEVELS_MEASURED;
+        same.resolution = found.resolution;
+        bvx_mesh_free(ctx, &level[0]);
+        {
+            bvx_mesh_view const view = maker_view(&mesh);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(ctx, &view, &same, 1, &level[0]));
+        }
+        assert_same_bytes(&level[0], &made);
+        end_within(&made);
+        TEST_ASSERT_TRUE(found.resolution == same.resolution && found.planned_resolution == same.resolution);
+    }
+    TEST_ASSERT_TRUE(before < planned / 3);
+}
+
+/* A resolution that was asked for is not lowered, and where nothing fits the call says so. */
+static void test_limits_that_cannot_be_kept(void)
+{
+    bvx_levels_options o = options_at(200);
+    bvx_mesh made = {0};
+    uint64_t peak;
+    make_star(60, 60);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(8000000, &o, &made, &peak), where);
+    o.resolution = 0;
+    o.source = BVX_LEVELS_MEASURED;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(400000, &o, &made, &peak), where);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(where, "limit"), where);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_memory_is_as_the_header_says);
+    RUN_TEST(test_memory_of_triangles_without_indices);
+    RUN_TEST(test_memory_of_meshes_as_they_are);
+    RUN_TEST(test_limits_lower_the_lattice);
+    RUN_TEST(test_limits_that_cannot_be_kept);
+    return UNITY_END();
+}
