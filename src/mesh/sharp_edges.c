@@ -110,7 +110,7 @@ static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const
 bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, int32_t *sharp, double *share)
 {
     uint64_t const bytes = view->vertex_count * 4;
-    uint32_t *found;
+    uint32_t *found = NULL;
     uint64_t different;
     bvx_status status;
 

@@ -110,7 +110,7 @@ typedef struct piece_walk {
 
 static bvx_status cross_middle(bvxi_split_work *w, bvxi_plane *p, piece_walk *a, uint32_t segment, int axis)
 {
-    uint32_t cut;
+    uint32_t cut = BVXI_NONE;
     BVXI_TRY(bvxi_plane_add_cut(w->s, p, segment, axis, w->middle[axis], &cut));
     if (axis == 0) w->odd_u[a->quadrant >> 1] ^= 1;
     else w->odd_v[a->quadrant & 1] ^= 1;

@@ -80,7 +80,7 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t)
         if (s->fixed) return BVX_ERR_BUDGET;
         for (int k = 0; k < 2; k++) {
             uint32_t **const rows = which == 0 ? &t->row[k] : &t->cross[k];
-            uint32_t *made;
+            uint32_t *made = NULL;
             bvx_status const status = bvxi_alloc(s->ctx, BVXI_SCRATCH, larger * 4, "the crossings of a side", &made);
             if (status != BVX_OK) { /* both rows keep one length */
                 if (k == 1) {
