@@ -172,7 +172,8 @@ static int check_line(cli_run *run)
 int cli_check_options(cli_run *run)
 {
     const cli_options *const o = &run->options;
-    if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE) return CLI_USAGE;
+    if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE || cli_check_parts(run) != CLI_DONE)
+        return CLI_USAGE;
     if (o->quiet && o->progress == CLI_BAR_DRAW) return cli_usage(run, "--quiet and --progress=bar exclude each other");
     return CLI_DONE;
 }

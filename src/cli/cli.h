@@ -275,6 +275,8 @@ typedef struct cli_report {
     bvx_lattice lattice;
     int has_lattice, has_set;
     uint64_t set;
+    bvx_keep_report parts;   /* of voxels, where some were to be dropped */
+    int has_parts;
     uint64_t nonfinite;      /* triangles of the inputs that were left out */
     struct {
         char name[32];
@@ -399,6 +401,17 @@ bvx_status cli_select_voxels(cli_run *run, const cli_volume *volume, bvx_volume_
 void cli_tell_volume(cli_run *run, const cli_volume *volume, const bvx_volume_report *report);
 /* The side-car of a file without a lattice, where there is one; grid is all of the file or a part of it. */
 int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed);
+
+/* ---- parts.c: --keep-largest and --least-part of voxels ---- */
+
+/* 1 when parts may be dropped. */
+int cli_keeps_parts(const cli_run *run);
+/* Refuse these options for meshes of commands that read grids. */
+int cli_check_parts(cli_run *run);
+/* Keep the parts asked for, of a grid in itself or in another one, and count them for the report. */
+bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept);
+void cli_say_parts(cli_run *run);
+void cli_report_parts(const cli_report *report, cli_text *text);
 
 /* ---- section_info.c: contours of sections ---- */
 

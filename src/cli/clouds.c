@@ -61,6 +61,7 @@ static int make_cloud_voxels(cli_run *run, const bvx_mesh_view *points, const bv
     p.window = *window;
     p.report = report;
     status = bvx_voxelize_points(run->context, points, l, &p, grid);
+    if (status == BVX_OK && cli_keeps_parts(run)) status = cli_keep_parts(run, grid, grid);
     if (status == BVX_OK) status = bvx_grid_count(run->context, grid, &run->report.set);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     run->report.has_set = 1;

@@ -166,6 +166,7 @@ static int voxelize_mesh(cli_run *run, voxel_job *job)
     if (run->options.mode == CLI_MODE_FIELD) return cli_voxelize_field(run, &job->view, &job->window);
     status = solid ? make_solid_voxels(run, job, &report) : make_surface(run, job, &surface);
     cli_stage_end(run);
+    if (status == BVX_OK && cli_keeps_parts(run)) status = cli_keep_parts(run, &job->grid, &job->grid);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
     bvx_grid_count(run->context, &job->grid, &run->report.set);
     run->report.has_set = 1;

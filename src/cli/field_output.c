@@ -22,6 +22,7 @@ int cli_check_field(cli_run *run)
     for (size_t i = 0; i < sizeof of_fields / sizeof of_fields[0] && o->mode != CLI_MODE_FIELD; i++)
         if (cli_given(run, of_fields[i])) return cli_usage(run, "%s is for fields; --mode %s has no use for it", of_fields[i], cli_mode_names[o->mode]);
     if (o->mode != CLI_MODE_FIELD) return CLI_DONE;
+    if (cli_keeps_parts(run)) return cli_usage(run, "--keep-largest and --least-part are for voxels; --mode field has no use for them");
     if (format != BVX_FORMAT_NPY && format != BVX_FORMAT_NRRD && format != BVX_FORMAT_VTI)
         return cli_usage(run, "%s: fields are written as .npy, .nrrd or .vti", o->output);
     if (!cli_given(run, "--padding") && !o->origin.given) /* room for the band around the mesh */

@@ -93,6 +93,7 @@ void cli_say_grid(cli_run *run, const bvx_grid *g, uint64_t set, int placed)
             placed ? "" : " (taken so: no side-car tells it)");
     cli_say(run, "  origin      %.9g, %.9g, %.9g%s\n", corner[0], corner[1], corner[2],
             placed ? "" : " (taken so: no side-car tells it)");
+    cli_say_parts(run);
 }
 
 void cli_grid_corner(const bvx_grid *grid, double part, double corner[3])

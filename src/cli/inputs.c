@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { READS_PARTS = CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT }; /* components chooses by itself */
+
 #define INPUT_ENDINGS ".stl .obj .ply .off, or .npy .binvox .vox .nrrd .nhdr .vti .bvx .raw, also with .gz"
 
 int cli_kind_of_format(int32_t format)
@@ -156,11 +158,21 @@ static int read_selected(cli_run *run, const char *path, const bvx_window *windo
         cli_stage_begin(run, "threshold");
         selected = cli_select_voxels(run, &v, &report, &in->grid);
         cli_stage_end(run);
+        if (selected == BVX_OK && cli_keeps_parts(run)) selected = cli_keep_parts(run, &in->grid, &in->grid);
         if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));
         else cli_tell_volume(run, &v, &report);
     }
     cli_free_volume(run, &v);
     return status;
+}
+
+static int keep_read_parts(cli_run *run, cli_input *in)
+{
+    bvx_status status;
+
+    if (in->kind == CLI_TREE) return cli_usage(run, "--keep-largest and --least-part are for grids; %s is an octree", cli_input_name(in->path));
+    status = cli_keep_parts(run, &in->grid, &in->grid);
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(in->path));
 }
 
 int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
@@ -173,6 +185,7 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
     status = cli_read_file(run, path, &b);
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
+    if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && cli_keeps_parts(run)) status = keep_read_parts(run, in);
     free(b.bytes);
     if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path))) status = cli_read_sidecar(run, path, &in->grid, &in->placed);
     return status;

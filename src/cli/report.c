@@ -113,6 +113,7 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
     if (run->command != NULL) cli_text_add(t, ", \"command\": \"%s\"", run->command->name);
     if (!brief && r->has_lattice) report_lattice(t, &r->lattice);
     if (!brief && r->has_set) cli_json_count(t, "set", r->set);
+    if (!brief) cli_report_parts(r, t);
     if (!brief && r->nonfinite != 0) cli_json_count(t, "nonfinite_triangles", r->nonfinite);
     cli_text_add(t, ", \"stages\": [");
     for (int i = 0; i < r->stages; i++) {

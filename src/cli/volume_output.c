@@ -45,6 +45,57 @@ static void note_set(cli_run *run, const volume_job *j)
     run->report.set = j->report.inside;
 }
 
+/* ---- parts ---- */
+
+/* kept may be the grid itself. */
+static bvx_status keep_chosen(cli_run *run, volume_job *j, const bvx_grid *grid, bvx_grid *kept)
+{
+    bvx_status status;
+
+    if (!cli_keeps_parts(run)) return BVX_OK;
+    status = cli_keep_parts(run, grid, kept);
+    return status == BVX_OK ? bvx_grid_count(run->context, kept, &j->report.inside) : status;
+}
+
+/* A copy of the samples in which those of dropped parts are as one that is outside, so that the surface of what is kept stays where
+ * its samples put it. Parts have no face in common, so no edge of the lattice leads from one into another. */
+static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_grid *all, const bvx_grid *kept, bvx_volume_view *copy,
+                        void **samples)
+{
+    static const int64_t bytes_of[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    size_t const size = (size_t)bytes_of[view->sample_type];
+    uint64_t const count = (uint64_t)view->size[0] * (uint64_t)view->size[1] * (uint64_t)view->size[2];
+    int64_t stride[3] = {view->strides[0], view->strides[1], view->strides[2]};
+    const char *outside = NULL;
+    char *to = count <= SIZE_MAX / size ? malloc((size_t)count * size) : NULL;
+
+    *samples = to;
+    if (to == NULL) return cli_fail(run, "no memory for a copy of %" PRIu64 " samples", count);
+    if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
+        stride[0] = (int64_t)size;
+        stride[1] = stride[0] * view->size[0];
+        stride[2] = stride[1] * view->size[1];
+    }
+
+    /* Two parts at least, so some sample lies between them. */
+    for (int pass = 0; pass < 2; pass++)
+        for (int32_t z = 0; z < view->size[2]; z++)
+            for (int32_t y = 0; y < view->size[1]; y++) {
+                const char *from = (const char *)view->samples + z * stride[2] + y * stride[1];
+                for (int32_t x = 0; x < view->size[0]; x++, from += stride[0]) {
+                    int const was = bvx_grid_get(all, x, y, z);
+                    if (pass == 0 && !was && outside == NULL) outside = from;
+                    if (pass == 0) continue;
+                    memcpy(to, was && !bvx_grid_get(kept, x, y, z) && outside != NULL ? outside : from, size);
+                    to += size;
+                }
+            }
+    *copy = *view;
+    copy->samples = *samples;
+    memset(copy->strides, 0, sizeof copy->strides);
+    return CLI_DONE;
+}
+
 /* ---- a grid ---- */
 
 static int make_volume_grid(cli_run *run, volume_job *j)
@@ -57,6 +108,7 @@ static int make_volume_grid(cli_run *run, volume_job *j)
     cli_stage_begin(run, "threshold");
     status = cli_select_voxels(run, &j->volume, &j->report, &grid);
     cli_stage_end(run);
+    if (status == BVX_OK) status = keep_chosen(run, j, &grid, &grid);
     result = status == BVX_OK ? cli_write_grid(run, &grid) : cli_fail_status(run, status, in);
     if (result == CLI_DONE) {
         note_set(run, j);
@@ -72,7 +124,7 @@ static int make_volume_grid(cli_run *run, volume_job *j)
 /* ---- meshes ---- */
 
 /* The surface of the level, by its values; positions in doubles where floats are too coarse. */
-static bvx_status make_level_mesh(cli_run *run, volume_job *j, bvx_mesh *mesh)
+static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_view *view, bvx_mesh *mesh)
 {
     bvx_scalar_options o;
     bvx_status status;
@@ -80,10 +132,10 @@ static bvx_status make_level_mesh(cli_run *run, volume_job *j, bvx_mesh *mesh)
     o.level = run->options.level;
     o.below = run->options.below;
     o.report = &j->report;
-    status = bvx_extract_scalar(run->context, &j->volume.view, &o, mesh);
+    status = bvx_extract_scalar(run->context, view, &o, mesh);
     if (status != BVX_ERR_RANGE) return status;
     o.position_type = BVX_F64;
-    return bvx_extract_scalar(run->context, &j->volume.view, &o, mesh);
+    return bvx_extract_scalar(run->context, view, &o, mesh);
 }
 
 static bvx_status make_grid_mesh(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
@@ -125,6 +177,28 @@ static void say_mesh(cli_run *run, int n)
             c->components == 1 ? "" : "s");
 }
 
+/* The level's surface around the parts that are kept. */
+static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status, bvx_mesh *mesh)
+{
+    bvx_grid all = {0}, kept = {0};
+    bvx_volume_view view = j->volume.view;
+    void *samples = NULL;
+    int result = CLI_DONE;
+
+    *status = cli_select_voxels(run, &j->volume, &j->report, &all);
+    if (*status == BVX_OK) *status = keep_chosen(run, j, &all, &kept);
+    if (*status == BVX_OK && run->report.parts.dropped != 0) result = copy_without(run, &j->volume.view, &all, &kept, &view, &samples);
+    if (*status == BVX_OK && result == CLI_DONE && (j->report.inside != 0 || run->report.parts.dropped == 0)) {
+        bvx_volume_report const whole = j->report;
+        *status = make_level_mesh(run, j, &view, mesh);
+        j->report = whole; /* of the file's samples, not of the copy's */
+    }
+    free(samples);
+    bvx_grid_free(run->context, &kept);
+    bvx_grid_free(run->context, &all);
+    return result;
+}
+
 static int make_volume_mesh(cli_run *run, volume_job *j)
 {
     const char *const in = cli_input_name(run->options.input[0]);
@@ -132,17 +206,23 @@ static int make_volume_mesh(cli_run *run, volume_job *j)
     bvx_mesh mesh = {0};
     bvx_grid grid = {0};
     bvx_status status;
-    int result;
+    int result = CLI_DONE;
     cli_stage_begin(run, "surface");
-    if (cli_given(run, "--level")) {
-        status = make_level_mesh(run, j, &mesh);
+    if (cli_given(run, "--level") && cli_keeps_parts(run)) {
+        result = make_kept_level_mesh(run, j, &status, &mesh);
+    } else if (cli_given(run, "--level")) {
+        status = make_level_mesh(run, j, &j->volume.view, &mesh);
     } else {
         status = cli_select_voxels(run, &j->volume, &j->report, &grid);
+        if (status == BVX_OK) status = keep_chosen(run, j, &grid, &grid);
         if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
     }
     cli_stage_end(run);
     bvx_grid_free(run->context, &grid);
+    if (result != CLI_DONE) return result;
     if (status != BVX_OK) return cli_fail_status(run, status, in);
+    if (mesh.triangle_count == 0 && run->report.parts.dropped != 0)
+        return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in, run->report.parts.dropped);
     if (mesh.triangle_count == 0)
         return cli_fail(run, "%s: no sample is in the range (they go from %.9g to %.9g); there is no surface", in, j->report.least, j->report.greatest);
     result = put_mesh(run, &mesh, 0, run->options.output, &reduction);
@@ -152,6 +232,7 @@ static int make_volume_mesh(cli_run *run, volume_job *j)
     note_set(run, j);
     cli_tell_volume(run, &j->volume, &j->report);
     say_volume(run, j);
+    cli_say_parts(run);
     cli_tell_reduction(run, &reduction);
     say_mesh(run, 0);
     return CLI_DONE;
@@ -219,6 +300,7 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
     label_view(j, &j->labels[n], &view);
     cli_stage_begin(run, "surface");
     status = bvx_threshold(run->context, &view, value, value, &report, &grid);
+    if (status == BVX_OK && cli_keeps_parts(run)) status = cli_keep_parts(run, &grid, &grid);
     if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
     cli_stage_end(run);
     bvx_grid_free(run->context, &grid);
@@ -252,6 +334,7 @@ static int make_label_meshes(cli_run *run, volume_job *j)
     note_set(run, j);
     tell_labels(run, j);
     cli_say(run, "%s: %" PRIu64 " labels\n", cli_input_name(run->options.input[0]), j->label_count);
+    cli_say_parts(run);
     for (uint64_t i = 0; i < j->label_count; i++) say_mesh(run, (int)i);
     return CLI_DONE;
 }

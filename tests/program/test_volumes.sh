@@ -80,6 +80,34 @@ gives 'data files that are too much together' 1 'bytes are more than the 15[0-9]
 gives 'data files that leave nothing of the limit' 1 'is to fit into the 0 bytes that --memory-limit' voxelize many.nhdr -o a.bvx --level 5 --memory-limit $((61440 + $(wc -c <many.nhdr)))
 if ls a.* >/dev/null 2>&1; then not_ok 'nothing is left behind' "$(ls a.*)"; else ok 'nothing is left behind'; fi
 
+# ---- parts ----
+# Level 80 of the waves has parts of 12688, 44 and 1 voxels.
+gives 'the largest part' 0 '"parts": {"kept": 1, "dropped": 2, "voxels_kept": 12688, "voxels_dropped": 45}' voxelize "$waves" -o kept.bvx --level 80 --keep-largest 1 --json
+gives 'one part, by components too' 0 '12688  100.000%' components kept.bvx
+gives 'parts of some size' 0 'kept        2 of 3 parts; 1 voxels went' voxelize "$waves" -o kept.bvx --level 80 --least-part 44
+gives 'parts of no size' 0 'no voxel is set' voxelize "$waves" -o kept.bvx --level 80 --least-part 20000
+run voxelize "$waves" -o all.obj --level 80
+gives 'the surface of the largest part' 0 'kept.obj: 14488 triangles, closed, manifold, volume 15497.2, 1 part' voxelize "$waves" -o kept.obj --level 80 --keep-largest 1
+grep '^v ' all.obj | sort >all.txt
+grep '^v ' kept.obj | sort >kept.txt
+if [ "$(wc -l <kept.txt)" -gt 7000 ] && [ -z "$(comm -13 all.txt kept.txt)" ]; then ok 'its vertices are where they were'
+else not_ok 'its vertices are where they were' "$(comm -13 all.txt kept.txt | wc -l) others"; fi
+gives 'the surface of a range' 0 '2 parts' voxelize "$waves" -o kept.ply --range 80,184 --least-part 40
+gives 'below a level' 0 'kept        1 of ' voxelize "$waves" -o kept.ply --level 20 --below --keep-largest 1
+gives 'no surface is left' 1 'each of the 3 parts has fewer voxels than --least-part' voxelize "$waves" -o none.ply --level 80 --least-part 20000
+gives 'nothing to drop is no change' 0 '14680 triangles' voxelize "$waves" -o kept.ply --level 80 --least-part 1
+run voxelize "$waves" -o grid.bvx --level 80
+for command in 'convert -o kept.bvx' 'faces -o kept.ply' 'lod -o kept.ply --levels 16' 'render -o kept.png --size 64x48'; do
+    gives "parts of a volume: $command" 0 '"dropped": 2' ${command%% *} "$waves" ${command#* } --level 80 --keep-largest 1 --json
+    gives "parts of a grid: $command" 0 '"dropped": 2' ${command%% *} grid.bvx ${command#* } --keep-largest 1 --json
+done
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 2 2 2\nv 5 2 2\nv 2 5 2\nv 2 2 5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n' >grid_mesh.obj
+gives 'parts of voxels of a mesh' 0 'kept        1 of 2 parts' voxelize grid_mesh.obj -o kept.bvx --resolution 40 --keep-largest 1
+gives 'parts of a cloud' 0 'kept        1 of ' voxelize "$fixtures/ball.xyz" -o kept.bvx --spacing 0.05 --keep-largest 1
+gives 'parts of labels' 0 '3 labels' voxelize "$labels" -o part_%d.ply --all-labels --keep-largest 1
+gives 'parts of a mesh' 2 '--keep-largest is for grids and volumes' convert "$fixtures/knot.ply" -o x.ply --keep-largest 1
+gives 'parts of distances' 2 'are for voxels' voxelize "$fixtures/knot.ply" -o x.nrrd --mode field --least-part 5
+
 # ---- packed samples ----
 if "$program" info "$fixtures/knot.ply.gz" 2>&1 | grep -q 'without zlib'; then
     skip 'gzip samples' 'made without zlib'

@@ -24,7 +24,7 @@ def program(*arguments):
 # Options of all commands that take a volume, which is an object of its own in Python.
 VOLUME = [bitvox.Volume.surface, bitvox.read_volume]
 OF_VOLUMES = {"range": bitvox.Volume.threshold, "label": bitvox.Volume.label, "sample-type": "dtype", "big-endian": "dtype", "skip": "offset",
-              "voxel-size": "spacing"}
+              "voxel-size": "spacing", "keep-largest": bitvox.Grid.keep, "least-part": bitvox.Grid.keep}
 OF_MESHES = {"output-origin": bitvox.write}
 # Options of the program that a function of Python has under another name, or that are functions or methods of their own.
 NAMES = {
