@@ -76,6 +76,122 @@ def test_progress_and_cancellation():
         bitvox.surface(grid, progress=3)
 
 
+def _with_progress():
+    """A call of each public function that takes ``progress``, by name."""
+    mesh = bitvox.Mesh(*TETRAHEDRON)
+    coloured = bitvox.Mesh(*TETRAHEDRON, colours=np.full((4, 4), 200, np.uint8))
+    grid = bitvox.voxelize(mesh, resolution=32)
+    shell = bitvox.voxelize(mesh, resolution=32, mode="conservative")
+    tree = bitvox.refine(mesh, base=4, levels=2)
+    field = bitvox.field(mesh, resolution=16)
+    volume = bitvox.Volume(np.arange(512, dtype=np.float32).reshape(8, 8, 8))
+    sections = bitvox.slice_mesh(mesh, spacing=0.1)
+    part = bitvox.surface(grid, keys=True)
+    rays, points = [[-1, 0.2, 0.2, 1, 0, 0]], [[0.2, 0.2, 0.2]]
+    finder, skin, ply = bitvox.Closest(mesh), bitvox.surface(grid), bitvox.dumps(mesh, "ply")
+    return {
+        "voxelize": lambda **p: bitvox.voxelize(mesh, resolution=32, **p),
+        "voxelize surface": lambda **p: bitvox.voxelize(mesh, resolution=32, mode="thin", **p),
+        "voxelize_points": lambda **p: bitvox.voxelize_points(mesh.vertices, resolution=8, **p),
+        "compare_fills": lambda **p: bitvox.compare_fills(mesh, resolution=32, **p),
+        "find_seed": lambda **p: bitvox.find_seed(shell, mesh, **p),
+        "find_pockets": lambda **p: bitvox.find_pockets(shell, mesh, **p),
+        "surface": lambda **p: bitvox.surface(grid, **p),
+        "faces": lambda **p: bitvox.faces(grid, **p),
+        "merge": lambda **p: bitvox.merge([part], **p),
+        "carry": lambda **p: bitvox.carry(coloured, mesh, **p),
+        "check": lambda **p: bitvox.check(mesh, **p),
+        "compare": lambda **p: bitvox.compare(mesh, mesh, samples=100, **p),
+        "compare grids": lambda **p: bitvox.compare(grid, shell, **p),
+        "crossings": lambda **p: mesh.crossings(**p),
+        "Closest": lambda **p: bitvox.Closest(mesh, **p),
+        "Closest.find": lambda **p: finder.find(points, **p),
+        "repair": lambda **p: bitvox.repair(mesh, resolution=16, **p),
+        "repair, all of it": lambda **p: bitvox.repair(coloured, resolution=16, triangles=40, measure=True, measure_samples=50, carry=True, **p),
+        "boolean": lambda **p: bitvox.boolean(mesh, mesh, "union", resolution=16, **p),
+        "boolean, fewer": lambda **p: bitvox.boolean(mesh, mesh, "union", resolution=16, triangles=40, **p),
+        "lod": lambda **p: bitvox.lod(mesh, triangles=(8, 4), **p),
+        "lod with colours": lambda **p: bitvox.lod(coloured, made_from="measured", resolution=16, triangles=(200, 100), carry=True, **p),
+        "lod of a grid": lambda **p: bitvox.lod(grid, levels=(16, 8), **p),
+        "lod of a grid by collapse": lambda **p: bitvox.lod(grid, method="collapse", triangles=(200, 100), **p),
+        "lod of a mesh by levels": lambda **p: bitvox.lod(coloured, levels=(16, 8), carry=True, **p),
+        "simplify": lambda **p: skin.simplify(triangles=(200, 100), **p),
+        "refine": lambda **p: bitvox.refine(mesh, resolution=32, **p),
+        "expand": lambda **p: tree.expand(**p),
+        "octree surface": lambda **p: tree.surface(**p),
+        "octree cast": lambda **p: tree.cast(rays, **p),
+        "field": lambda **p: bitvox.field(mesh, resolution=16, **p),
+        "field surface": lambda **p: field.surface(**p),
+        "field dense": lambda **p: field.to_numpy(**p),
+        "threshold": lambda **p: volume.threshold(100, **p),
+        "volume surface": lambda **p: volume.surface(100.0, **p),
+        "volume surface, fewer": lambda **p: volume.surface(100.0, triangles=50, **p),
+        "from_sections": lambda **p: bitvox.from_sections(sections, **p),
+        "slice_mesh": lambda **p: bitvox.slice_mesh(mesh, spacing=0.1, **p),
+        "slice_mesh of a grid": lambda **p: bitvox.slice_mesh(grid, spacing=0.1, **p),
+        "render": lambda **p: bitvox.render(mesh, size=(32, 32), **p),
+        "components": lambda **p: grid.components(**p),
+        "label": lambda **p: grid.label(**p),
+        "keep": lambda **p: grid.keep(largest=1, **p),
+        "dilate": lambda **p: grid.dilate(2, **p),
+        "open": lambda **p: grid.open(2, **p),
+        "hollow": lambda **p: grid.hollow(0.05, **p),
+        "distance": lambda **p: grid.distance(**p),
+        "cast": lambda **p: grid.cast(rays, **p),
+        "sample": lambda **p: grid.sample(points, **p),
+        "topology": lambda **p: grid.topology(**p),
+        "dumps": lambda **p: bitvox.dumps(mesh, "ply", **p),
+        "loads": lambda **p: bitvox.loads(ply, "ply", **p),
+    }
+
+
+def test_every_function_with_progress_is_in_the_table():
+    takes = {name for name in bitvox.__all__ if callable(getattr(bitvox, name)) and not isinstance(getattr(bitvox, name), type)
+             and "progress" in inspect.signature(getattr(bitvox, name)).parameters}
+    files = {"read", "read_points", "read_volume", "write", "write_levels"}  # what they do is in loads and dumps
+    assert takes - files - {"settings"} <= {name.split()[0].strip(",") for name in _with_progress()}
+
+
+def test_progress_is_one_rise_of_each_call():
+    for name, call in _with_progress().items():
+        for threads in (1, 3):
+            seen = []
+            call(threads=threads, progress=lambda stage, fraction: seen.append((stage, fraction)))
+            fractions = [fraction for _, fraction in seen]
+            assert fractions and fractions == sorted(fractions), (name, seen)
+            assert fractions[-1] == 1.0 and fractions.count(1.0) == 1, (name, seen)
+            assert all(stage for stage, _ in seen), (name, seen)
+
+
+def test_progress_of_settings_is_one_rise_of_each_call():
+    for name, call in _with_progress().items():
+        seen = []
+        with bitvox.settings(threads=1, progress=lambda stage, fraction, seen=seen: seen.append(fraction)):
+            call()
+        assert seen == sorted(seen) and seen.count(1.0) == (1 if seen else 0), (name, seen)
+        assert not seen or seen[-1] == 1.0, (name, seen)
+
+
+def test_the_last_value_of_progress_cancels_nothing():
+    assert bitvox.voxelize(TETRAHEDRON, resolution=32, progress=lambda stage, fraction: fraction < 1).count > 0
+
+    def fail(stage, fraction):
+        if fraction == 1:
+            raise KeyError(stage)
+
+    with pytest.raises(KeyError):
+        bitvox.voxelize(TETRAHEDRON, resolution=32, progress=fail)
+
+
+def test_a_call_that_fails_does_not_reach_1():
+    seen = []
+    with pytest.raises(bitvox.MemoryLimitError):
+        bitvox.voxelize(TETRAHEDRON, resolution=256, memory_limit=10_000, progress=lambda stage, fraction: seen.append(fraction))
+    with pytest.raises(bitvox.Cancelled):
+        bitvox.repair(TETRAHEDRON, resolution=32, triangles=40, progress=lambda stage, fraction: seen.append(fraction) or fraction < 0.5)
+    assert seen and max(seen) < 1
+
+
 def test_calls_inside_a_progress_callable():
     inner = []
     bitvox.voxelize(TETRAHEDRON, resolution=64, progress=lambda s, f: inner.append(bitvox.voxelize(TETRAHEDRON, resolution=8).count))

@@ -423,7 +423,7 @@ class Grid:
             A record array with first (linear index of the least voxel, x fastest), voxels, low and size (box, in voxels of the window).
         """
         count = ffi.new("uint64_t *")
-        with Run(threads, memory_limit, progress) as run:
+        with Run(threads, memory_limit, progress, calls=2) as run:
             call = function("bvx_grid_components")
             run.check(call(run.context, self._c, connectivity, ffi.NULL, 0, count))
             out = ffi.new("bvx_component[]", max(1, count[0]))

@@ -11,7 +11,7 @@ from ._grid import Grid
 from ._lattice import Lattice
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
-from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
+from ._run import Progress, Rise, Run, choice, ffi, in_range, lib, options_of
 from ._stages import carried, grid_of, surface, voxelize
 
 if TYPE_CHECKING:
@@ -134,9 +134,11 @@ def _take(array: Any, count: int) -> list[Any]:
 
 def _meshes(made: list[Any], reports: Any, carry_from: Mesh | None, limits: dict[str, Any]) -> Levels:
     result = Levels()
+    if carry_from is not None:
+        with Rise(limits["progress"], *[1] * len(made)) as progress:
+            for one in made:
+                carried(carry_from, one, {**limits, "progress": progress})
     for i, one in enumerate(made):
-        if carry_from is not None:
-            carried(carry_from, one, limits)
         level = Mesh._made(one)
         level.report = record(reports[i])
         result.append(level)
@@ -211,9 +213,10 @@ def simplify(
     reports = ffi.new("bvx_level_report[]", targets.count)
     options.reports = reports
     array = ffi.new("bvx_mesh[]", targets.count)
-    with Run(**limits) as run:
-        run.check(lib.bvx_mesh_simplify(run.context, local._view(run), options, targets.count, array))
-    levels = _meshes(_take(array, targets.count), reports, local if carry else None, limits)
+    with Rise(progress, 80, *((20,) if carry else ())) as limits["progress"]:
+        with Run(**limits) as run:
+            run.check(lib.bvx_mesh_simplify(run.context, local._view(run), options, targets.count, array))
+        levels = _meshes(_take(array, targets.count), reports, local if carry else None, limits)
     for level in levels if any(frame) else ():
         level.frame, found = frame, level.report.certificate
         low, high = (tuple(x + f for x, f in zip(corner, frame)) for corner in (found.low, found.high))
@@ -373,32 +376,33 @@ def lod(
     if is_grid and carry:
         raise ArgumentError("carry is for a source that is a mesh")
 
-    mesh = surface(source, **limits) if is_grid else Mesh.of(source)
-    options = options_of("levels_options")
-    targets = _Targets(options, mesh, triangles, error, error_kind, count)
-    _set_common(options, even, strict, error, samples, dtype)
-    options.open = _place("open", "shell" if open is None else open, OPENS)
-    options.source = choice("made_from", "auto" if made_from is None else made_from, "BVX_LEVELS_", SOURCES)
-    if lattice is not None:
+    with Rise(progress, *((10,) if is_grid else ()), 80, *((20,) if carry else ())) as limits["progress"]:
+        mesh = surface(source, **limits) if is_grid else Mesh.of(source)
+        options = options_of("levels_options")
+        targets = _Targets(options, mesh, triangles, error, error_kind, count)
+        _set_common(options, even, strict, error, samples, dtype)
+        options.open = _place("open", "shell" if open is None else open, OPENS)
+        options.source = choice("made_from", "auto" if made_from is None else made_from, "BVX_LEVELS_", SOURCES)
+        if lattice is not None:
+            if resolution is not None:
+                raise ArgumentError("resolution and lattice contradict each other; give one of them")
+            options.lattice = lattice._c
         if resolution is not None:
-            raise ArgumentError("resolution and lattice contradict each other; give one of them")
-        options.lattice = lattice._c
-    if resolution is not None:
-        options.resolution = in_range("resolution", resolution, 1, 2**24)
-    options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", ("auto", "exact", "winding", "vote"))
-    options.sharp = -1 if sharp is None else int(bool(sharp))
-    options.outer = int(bool(outer_hull))
-    if shell is not None:
-        options.shell = float(shell)
-    options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
-    options.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)
-    reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_levels_report *")
-    options.reports, options.report = reports, report
+            options.resolution = in_range("resolution", resolution, 1, 2**24)
+        options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", ("auto", "exact", "winding", "vote"))
+        options.sharp = -1 if sharp is None else int(bool(sharp))
+        options.outer = int(bool(outer_hull))
+        if shell is not None:
+            options.shell = float(shell)
+        options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+        options.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)
+        reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_levels_report *")
+        options.reports, options.report = reports, report
 
-    array = ffi.new("bvx_mesh[]", targets.count)
-    with Run(**limits) as run:
-        run.check(lib.bvx_build_levels(run.context, mesh._view(run), options, targets.count, array))
-    result = _meshes(_take(array, targets.count), reports, mesh if carry else None, limits)
+        array = ffi.new("bvx_mesh[]", targets.count)
+        with Run(**limits) as run:
+            run.check(lib.bvx_build_levels(run.context, mesh._view(run), options, targets.count, array))
+        result = _meshes(_take(array, targets.count), reports, mesh if carry else None, limits)
     result.report = record(report)
     return result
 
@@ -446,23 +450,25 @@ def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolu
     options.local_frame = int(bool(local_frame))
     options.collapse = 0.0 if collapse is None else float(collapse)
     count, finest, kept = _set_levels(options, levels, triangles)
-    mesh: Mesh | None = None
-    if is_grid:
-        for name, value in {"resolution": resolution, "fill": fill, "close_gaps": close_gaps, "padding": padding, "carry": carry or None}.items():
-            if value is not None:
-                raise ArgumentError(f"{name} is for a source that is a mesh")
-        solid = grid_of(source)
-    else:
-        mesh = Mesh.of(source)
-        options.source_triangles = mesh.n_faces
-        if resolution is None:
-            resolution = _resolution_of(mesh, finest or _finest_for(mesh, triangles, collapse))
-        solid = voxelize(mesh, resolution=resolution, fill=fill, close_gaps=close_gaps, padding=padding or 0, **limits)
-    reports = ffi.new("bvx_lod_report[]", count)
-    options.reports = reports
-    made = _build_levels(solid, options, count, dtype, limits)
-    del kept
-    return _meshes(made, reports, mesh if carry else None, limits)
+    with Rise(limits["progress"], *(() if is_grid else (40,)), 60, *((20,) if carry else ())) as progress:
+        limits = {**limits, "progress": progress}
+        mesh: Mesh | None = None
+        if is_grid:
+            for name, value in {"resolution": resolution, "fill": fill, "close_gaps": close_gaps, "padding": padding, "carry": carry or None}.items():
+                if value is not None:
+                    raise ArgumentError(f"{name} is for a source that is a mesh")
+            solid = grid_of(source)
+        else:
+            mesh = Mesh.of(source)
+            options.source_triangles = mesh.n_faces
+            if resolution is None:
+                resolution = _resolution_of(mesh, finest or _finest_for(mesh, triangles, collapse))
+            solid = voxelize(mesh, resolution=resolution, fill=fill, close_gaps=close_gaps, padding=padding or 0, **limits)
+        reports = ffi.new("bvx_lod_report[]", count)
+        options.reports = reports
+        made = _build_levels(solid, options, count, dtype, limits)
+        del kept
+        return _meshes(made, reports, mesh if carry else None, limits)
 
 
 def _finest_for(mesh: Mesh, triangles: Any, collapse: float | None) -> int:

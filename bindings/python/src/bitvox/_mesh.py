@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Sequence
 from . import _arrays as arrays
 from ._errors import ArgumentError, RangeError
 from ._records import record
-from ._run import Progress, Run, ffi, lib
+from ._run import Progress, Run, ffi, lib, quiet
 
 if TYPE_CHECKING:
     from .reports import Certificate, WriteReport
@@ -117,7 +117,8 @@ class Mesh:
             return source
         from ._inputs import mesh_from
 
-        return mesh_from(source)
+        with quiet():
+            return mesh_from(source)
 
     # ---- what it holds ----
 
@@ -336,7 +337,7 @@ class Mesh:
         """
         np = arrays.numpy("Mesh.crossings")
         count = ffi.new("uint64_t *")
-        with Run(threads, memory_limit, progress) as run:
+        with Run(threads, memory_limit, progress, calls=2) as run:
             view = self._view(run)
             run.check(lib.bvx_mesh_crossings(run.context, view, count, ffi.NULL, 0))
             pairs = np.empty((count[0], 2), np.uint32)

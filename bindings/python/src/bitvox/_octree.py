@@ -247,7 +247,8 @@ def refine(
         options.outer_levels = in_range("outer_levels", outer_levels, 0, 25)
     source = Mesh.of(mesh)
     out = ffi.new("bvx_octree **")
-    with Run(threads, memory_limit, progress) as run:
+    chosen = resolution is not None and levels is None and not isinstance(base, Lattice)
+    with Run(threads, memory_limit, progress, calls=1 + chosen) as run:
         lattice = _base_of(run, source, base, levels, resolution, options)
         run.check(lib.bvx_refine(run.context, source._view(run), lattice._c, options, out))
     return Octree(ffi.gc(out[0], lib.bvxpy_free_octree))

@@ -66,8 +66,10 @@ def settings(*, threads: int | None = None, memory_limit: int | None = None, pro
         threads: most workers; 0 takes one a processor that this process may use (affinity, a container's quota,
             ``OMP_NUM_THREADS``), in a forked child one. Small calls and busy machines get fewer, at no cost.
         memory_limit: most bytes that one call may hold, its result included; 0 is no limit.
-        progress: True for a bar (needs tqdm), or a callable ``progress(stage, fraction)``; when it returns False the
-            call ends with `Cancelled`, and what it raises comes out of the call.
+        progress: True for a bar (needs tqdm), or a callable ``progress(stage, fraction)``. Each call that is given one is one rise
+            of the fraction: it never falls, and 1 is its last value, where the call succeeds. When it returns False the call
+            ends with `Cancelled` (but for the last value: the result is there), and what it raises comes out of the call.
+            Set here, it is called for what takes a while, not for lengths and hashes.
     """
     old = _settings.get()
     token = _settings.set(_Settings(
@@ -87,7 +89,7 @@ def bvxpy_progress(user: Any, stage: Any, fraction: float) -> int:
     if run.progress is None:
         return 0
     try:
-        return 1 if run.progress(ffi.string(stage).decode("utf-8", "replace"), fraction) is False else 0
+        return 1 if run.report(ffi.string(stage).decode("utf-8", "replace"), fraction) is False else 0
     except BaseException as error:
         run.error = error
         return 1
@@ -119,12 +121,77 @@ class _Bar:
         self.bar.close()
 
 
+def _callable_of(progress: Progress) -> tuple[Callable[[str, float], Any] | None, _Bar | None]:
+    """What is to be called, and the bar that is to be closed."""
+    bar = _Bar() if progress is True else None
+    told = bar if progress is True else progress or None
+    if told is not None and not callable(told):
+        raise TypeError(f"progress must be True or a callable, not {type(progress).__name__}")
+    return told, bar
+
+
+class Rise:
+    """One rise of progress over several calls, one after the other, each with the share of its weight.
+
+    ``with Rise(progress, 80, 20) as progress:`` gives what to pass to each of them as ``progress``. Calls inside that are given
+    none are silent.
+    """
+
+    __slots__ = ("told", "bar", "ends", "done", "reached", "stage", "token")
+
+    def __init__(self, progress: Progress, *weights: float) -> None:
+        self.told, self.bar = _callable_of(_settings.get().progress if progress is None else progress)
+        total = sum(weights)
+        self.ends = [sum(weights[:i + 1]) / total for i in range(len(weights))]
+        self.done = 0
+        self.reached = 0.0
+        self.stage = "done"
+
+    def __enter__(self) -> Progress:
+        self.token = _settings.set(_settings.get()._replace(progress=False))
+        return False if self.told is None else self
+
+    def __call__(self, stage: str, fraction: float) -> Any:
+        self.stage = stage
+        if fraction >= 1.0:  # one of the calls has ended
+            self.done += 1
+            return None
+        assert self.told is not None
+        low = 0.0 if self.done == 0 else self.ends[min(self.done, len(self.ends)) - 1]
+        high = self.ends[min(self.done, len(self.ends) - 1)]
+        self.reached = max(self.reached, low + (high - low) * fraction)
+        return self.told(stage, self.reached) if self.reached < 1.0 else None
+
+    def __exit__(self, kind: Any, *_: object) -> None:
+        _settings.reset(self.token)
+        try:
+            if kind is None and self.told is not None:
+                self.told(self.stage, 1.0)
+        finally:
+            if self.bar is not None:
+                self.bar.close()
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """No progress from calls that are given none: for inputs that are made on the way."""
+    token = _settings.set(_settings.get()._replace(progress=False))
+    try:
+        yield
+    finally:
+        _settings.reset(token)
+
+
 class Run:
-    """One call: ``with Run(...) as run: run.check(lib.bvx_...(run.context, ...))``."""
+    """One call: ``with Run(...) as run: run.check(lib.bvx_...(run.context, ...))``.
 
-    __slots__ = ("context", "memory_limit", "progress", "error", "handle", "meshes", "kept", "token", "bar", "__weakref__")
+    Its progress is one rise over ``calls`` calls of the library that take a while.
+    """
 
-    def __init__(self, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
+    __slots__ = ("context", "memory_limit", "progress", "error", "handle", "meshes", "kept", "token", "bar", "calls", "call", "moved",
+                 "reached", "stage", "asked", "__weakref__")
+
+    def __init__(self, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None, calls: int = 1) -> None:
         given = _settings.get()
         options = ffi.new("bvx_context_options *")
         lib.bvx_context_options_init(options, ffi.sizeof("bvx_context_options"))
@@ -135,11 +202,10 @@ class Run:
         self.handle = ffi.new_handle(self)
         options.progress = lib.bvxpy_progress
         options.progress_user = self.handle
-        progress = given.progress if progress is None else progress
-        self.bar = _Bar() if progress is True else None
-        self.progress = self.bar if progress is True else progress or None
-        if self.progress is not None and not callable(self.progress):
-            raise TypeError(f"progress must be True or a callable, not {type(progress).__name__}")
+        self.asked = progress is not None
+        self.progress, self.bar = _callable_of(given.progress if progress is None else progress)
+        self.calls, self.call, self.moved = calls, 0, False
+        self.reached, self.stage = 0.0, "done"
         self.error: BaseException | None = None
         self.meshes: list[Any] = []
         self.kept: list[Any] = []
@@ -155,11 +221,27 @@ class Run:
         self.token = _running.set((*_running.get(), self))
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: Any, *_: object) -> None:
         _running.reset(self.token)
-        if self.bar is not None:
-            self.bar.close()
         self.context = self.handle = None
+        try:
+            if kind is None and self.progress is not None and (self.asked or self.reached > 0.0 or self.moved):
+                self.progress(self.stage, 1.0)
+        finally:
+            if self.bar is not None:
+                self.bar.close()
+
+    def report(self, stage: str, fraction: float) -> Any:
+        """What the library reports, as a part of the one rise; its 1 is told at the end of all."""
+        self.stage = stage
+        if fraction >= 1.0:
+            if self.moved and self.call + 1 < self.calls:
+                self.call, self.moved = self.call + 1, False
+            return None
+        assert self.progress is not None
+        self.moved = True
+        self.reached = max(self.reached, (self.call + fraction) / self.calls)
+        return self.progress(stage, self.reached)
 
     def keep(self, things: Any) -> None:
         """Hold on to what a struct points at until the call is over."""

@@ -9,7 +9,7 @@ from . import _arrays as arrays
 from ._errors import ArgumentError
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
-from ._run import Progress, Run, choice, ffi, function, in_range, options_of
+from ._run import Progress, Rise, Run, choice, ffi, function, in_range, options_of
 
 CAPS = ("flat", "taper", "open")
 NESTING = ("levels", "whole")
@@ -270,9 +270,10 @@ def from_sections(
     options.report = report
     made = new_mesh()
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
-    with Run(**limits) as run:
-        run.check(build(run.context, given._struct(run), options, made))
-    mesh = collapsed(Mesh._made(made), targets, limits)
+    with Rise(progress, 60, *((40,) if targets else ())) as limits["progress"]:
+        with Run(**limits) as run:
+            run.check(build(run.context, given._struct(run), options, made))
+        mesh = collapsed(Mesh._made(made), targets, limits)
     mesh.report = record(report)
     return mesh
 
@@ -296,6 +297,8 @@ def slice_mesh(mesh: Any, *, axis: str | None = None, normal: Sequence[float] | 
         FormatError: the mesh is open where a plane meets it. EmptyError: no plane meets it. ArgumentError, RangeError,
         MemoryLimitError.
     """
+    from ._grid import Grid
+
     cut = function("bvx_slice_mesh")
     options = options_of("slice_options")
     if (spacing is None) == (positions is None):
@@ -314,9 +317,10 @@ def slice_mesh(mesh: Any, *, axis: str | None = None, normal: Sequence[float] | 
     options.label = in_range("label", label, -(2**31) + 1, 2**31 - 1)
     made = new_sections()
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
-    source = _mesh_to_cut(mesh, limits)
-    with Run(**limits) as run:
-        run.check(cut(run.context, source._view(run), options, made))
+    with Rise(progress, *((30,) if isinstance(mesh, Grid) else ()), 70) as limits["progress"]:
+        source = _mesh_to_cut(mesh, limits)
+        with Run(**limits) as run:
+            run.check(cut(run.context, source._view(run), options, made))
     del held
     return Sections._made(made)
 

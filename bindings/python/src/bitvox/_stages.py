@@ -12,7 +12,7 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh
 from ._octree import with_positions
 from ._records import record
-from ._run import FILLS, Progress, Run, choice, ffi, function, in_range, lib, options_of
+from ._run import FILLS, Progress, Rise, Run, choice, ffi, function, in_range, lib, options_of
 
 if TYPE_CHECKING:
     from .reports import Certificate, Difference, Distances, Seed
@@ -211,7 +211,7 @@ def find_pockets(surface: Grid, mesh: Any = None, *, threads: int | None = None,
         mesh: the mesh that it came from: a pocket counts when it is inside; without it, when it does not touch the window's sides.
     """
     count = ffi.new("uint64_t *")
-    with Run(threads, memory_limit, progress) as run:
+    with Run(threads, memory_limit, progress, calls=2) as run:
         view = ffi.NULL if mesh is None else Mesh.of(mesh)._view(run)
         status = lib.bvx_find_pockets(run.context, surface._c, view, ffi.NULL, 0, count)
         run.check(status)
@@ -521,16 +521,18 @@ def repair(
     options.report = report
     source = Mesh.of(mesh)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
-    made = with_positions(options, dtype, lambda run, out: mend(run.context, source._view(run), options, out), **limits)
-    found = record(report)
-    small = collapsed(made, targets, limits)
-    if small is not made:
-        found = found._replace(after=small.report.certificate)
-        if measure:
-            found = found._replace(distance=compare(source, small, samples=options.measure_samples, **limits))
-        made = small
-    if carry:
-        made = carry_over(source, made, **limits)
+    small_weights = (40, 40) if targets and measure else (40,) if targets else ()
+    with Rise(progress, 100, *small_weights, *((20,) if carry else ())) as limits["progress"]:
+        made = with_positions(options, dtype, lambda run, out: mend(run.context, source._view(run), options, out), **limits)
+        found = record(report)
+        small = collapsed(made, targets, limits)
+        if small is not made:
+            found = found._replace(after=small.report.certificate)
+            if measure:
+                found = found._replace(distance=compare(source, small, samples=options.measure_samples, **limits))
+            made = small
+        if carry:
+            made = carry_over(source, made, **limits)
     made.report = found
     return made
 
@@ -625,9 +627,10 @@ def boolean(
     targets = level_target(triangles, error, error_kind)
     first, second = Mesh.of(a), Mesh.of(b)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
-    made = with_positions(
-        options, dtype, lambda run, out: lib.bvx_boolean(run.context, first._view(run), second._view(run), number, options, out), **limits)
-    made = collapsed(made, targets, limits)
+    with Rise(progress, 60, *((40,) if targets else ())) as limits["progress"]:
+        made = with_positions(
+            options, dtype, lambda run, out: lib.bvx_boolean(run.context, first._view(run), second._view(run), number, options, out), **limits)
+        made = collapsed(made, targets, limits)
     made.report = record(report)
     return made
 

@@ -12,7 +12,7 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh
 from ._octree import with_positions
 from ._records import record
-from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
+from ._run import Progress, Rise, Run, choice, ffi, in_range, lib, options_of
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
@@ -137,7 +137,7 @@ class Volume:
         """The values other than 0 of whole-number samples, ascending, each with its voxels and their box in the window."""
         count = ffi.new("uint64_t *")
         unsigned = self._c.sample_type == lib.BVX_SAMPLE_U64
-        with Run(threads, memory_limit, progress) as run:
+        with Run(threads, memory_limit, progress, calls=2) as run:
             run.check(lib.bvx_list_labels(run.context, self._c, ffi.NULL, 0, count))
             found = ffi.new("bvx_label[]", max(1, count[0]))
             run.check(lib.bvx_list_labels(run.context, self._c, found, count[0], count))
@@ -173,9 +173,10 @@ class Volume:
         options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
         for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
             options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
-        mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, self._c, options, made), **limits)
-        self.report = record(report)
-        return collapsed(mesh, targets, limits)
+        with Rise(progress, 30, *((70,) if targets else ())) as limits["progress"]:
+            mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, self._c, options, made), **limits)
+            self.report = record(report)
+            return collapsed(mesh, targets, limits)
 
     def __repr__(self) -> str:
         x, y, z = self.shape
