@@ -89,6 +89,16 @@ every_function_proven() {
     empty "$work/unproven.txt" 'unproven functions'
 }
 
+# One rise of progress around each public function that takes a context and returns a status, but for those that report nothing.
+every_function_rises() {
+    # shellcheck disable=SC2086
+    awk '/^bvx_status bvx_[a-z0-9_]*\(bvx_context \*/ { name = $2; sub(/\(.*/, "", name); rises = 0 }
+        name != "" && /BVXI_CALL/ { rises = 1 }
+        name != "" && /^}/ { if (!rises) print name; name = "" }' $core |
+        grep -v -x -E 'bvx_(lattice_make|grid_create|octree_lattice|octree_neighbours|volume_data_name)' >"$work/flat.txt"
+    empty "$work/flat.txt" 'without BVXI_CALL'
+}
+
 # heap.c is the file named for the C library's heap, threads.c and processors.c for the system; the fast paths need intrinsics.
 includes() {
     # shellcheck disable=SC2086
@@ -219,6 +229,7 @@ check 'case table is what its generator prints' tables_as_generated
 check 'file names are unique' file_names_unique
 check 'fixtures are what their generators write' fixtures_as_generated
 check 'fast-math is refused' refuses_fast_math
+check 'every function is one rise of progress' every_function_rises
 check 'every function has a fault test, a fuzz target and a golden row' every_function_proven
 check 'global names of the static library' static_names
 check 'no writable globals' no_globals
