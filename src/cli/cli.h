@@ -444,6 +444,11 @@ void cli_box_view(const cli_box *box, bvx_mesh_view *view);
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
 bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
 
+/* ---- far_points.c ---- */
+
+/* Refuse a large lattice that is large because of few points far from the others. */
+int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud, const bvx_lattice *lattice);
+
 /* ---- solids.c: the rules that fill a mesh ---- */
 
 /* Refuse options that speak of voxelizing beside a grid; path names it. */

@@ -52,6 +52,8 @@ static int make_cloud_voxels(cli_run *run, const bvx_mesh_view *points, const bv
     int result;
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     run->report.has_lattice = 1;
+    result = window->size[0] == 0 ? cli_check_far(run, cli_input_name(o->input[0]), points, 1, l) : CLI_DONE;
+    if (result != CLI_DONE) return result;
     result = cli_check_grid_format(run, o->output, l, window->size[0] != 0 ? window->size : l->dims);
     if (result != CLI_DONE) return result;
     bvx_points_options_init(&p, sizeof p);

@@ -108,6 +108,7 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     status = cli_make_lattice(run, &job->fitted, l);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
     run->report.has_lattice = 1;
+    if (job->window.size[0] == 0 && cli_check_far(run, run->options.input[0], &job->view, 0, l) != CLI_DONE) return CLI_FAILED;
     return cli_check_grid_format(run, run->options.output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
 }
 

@@ -74,6 +74,7 @@ int cli_fill_input(cli_run *run, cli_input *in)
     bvx_mesh_view view;
     bvx_lattice lattice;
     bvx_status status;
+    int far;
     memset(&report, 0, sizeof report);
     bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
@@ -81,9 +82,11 @@ int cli_fill_input(cli_run *run, cli_input *in)
     bvx_mesh_view_of(&in->mesh, &view);
     cli_stage_begin(run, "voxelize");
     status = cli_make_lattice(run, &view, &lattice);
-    if (status == BVX_OK) status = bvx_voxelize_solid(run->context, &view, &lattice, &v, &in->grid);
+    far = status == BVX_OK ? cli_check_far(run, in->path, &view, 0, &lattice) : CLI_DONE;
+    if (status == BVX_OK && far == CLI_DONE) status = bvx_voxelize_solid(run->context, &view, &lattice, &v, &in->grid);
     cli_stage_end(run);
     bvx_mesh_free(run->context, &in->mesh);
+    if (far != CLI_DONE) return far;
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
     cli_warn_of_solid(run, &in->grid, &report);
     return CLI_DONE;

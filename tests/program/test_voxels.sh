@@ -505,4 +505,26 @@ else
     skip 'real meshes' '../shared/meshes is missing'
 fi
 
+# ---- one point far from the others ----
+
+# A mesh and a cloud with one more, a million away: small voxels would take gigabytes for nothing.
+{ cat "$root/fixtures/ball.xyz" && echo '1000000 3 2'; } >far.xyz
+points=$(grep -c '^[-0-9]' "$root/fixtures/ball.xyz")
+run convert "$knot" -o far.obj
+vertices=$(grep -c '^v ' far.obj)
+printf 'v 1000000 0 0\nv 1000000 1 0\nv 1000000 0 1\nf %d %d %d\n' $((vertices + 1)) $((vertices + 2)) $((vertices + 3)) >>far.obj
+refuses 1 "point $points at 1000000, 3, 2 lies far from the others: a lattice of" voxelize far.xyz -o x.bvx --spacing 0.05 --body
+refuses 1 'take it out of the file, or allow so much by --memory-limit' voxelize far.xyz -o x.bvx --spacing 0.05
+far="vertex $vertices at 1000000, 0, 0 lies far from the others, and it is not the only one"
+refuses 1 "$far" voxelize far.obj -o x.bvx --spacing 0.05
+refuses 1 "$far" voxelize far.obj -o x.bvx --spacing 0.05 --mode thin
+refuses 1 "$far" voxelize far.obj -o x.nrrd --spacing 0.05 --mode field
+refuses 1 "$far" faces far.obj -o x.ply --spacing 0.05
+refuses 1 "$far" morph dilate far.obj -o x.bvx --spacing 0.05
+works 'far away: a window of it' voxelize far.obj -o x.bvx --spacing 0.05 --window 0,0,0,100,100,40 --fill parity --quiet
+run voxelize far.obj -o x.bvx --resolution 64 --quiet
+result 'far away: a resolution' $status
+printf 'v 0 0 0\nv 100000 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >long.obj
+works 'a long body is no far point' voxelize long.obj -o x.bvx --spacing 0.1 --window 0,0,0,64,4,4 --quiet
+
 counts
