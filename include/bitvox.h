@@ -2143,7 +2143,7 @@ typedef struct bvx_level_report {
     bvx_certificate certificate;  /**< of the level */
     uint64_t crossings;    /**< pairs of triangles that cross: 0, but where the input of bvx_mesh_simplify has some that stayed */
     double least_angle;    /**< smallest angle of a triangle [Units: degrees] */
-    uint64_t refused;      /**< edges that were tried and stayed, for their neighbours, turned triangles, needles or crossings */
+    uint64_t refused;      /**< edges that were tried and stayed, for their neighbours, turned triangles, needles, crossings or crumples */
     uint64_t reserved[6];
 } bvx_level_report;
 
@@ -2170,7 +2170,8 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  *
  * The edge that costs least goes first: its ends become one vertex where the summed squared distances to the planes of the
  * triangles that they stand for are least. An edge stays when its collapse would join what is apart, turn a triangle, make a
- * needle, or make two triangles cross or touch. So each level is closed where the mesh is, edge- and vertex-manifold and oriented,
+ * needle, make two triangles cross or touch, or leave a vertex further than two thirds of the mean edge from the planes that it stands
+ * for, as where parts thinner than the triangles are long would crumple: then a small target is not met. So each level is closed where the mesh is, edge- and vertex-manifold and oriented,
  * with the mesh's components, handles and borders, and without crossing triangles where the mesh has none. Sharp edges and corners are
  * kept as long as the planes beside them are, borders and their corners by planes upright on the triangles beside them. Vertices at
  * equal positions are one vertex (files without indices).

@@ -108,9 +108,9 @@ const cli_command cli_simplify = {
     .does = "fewer triangles for a manifold mesh, by count or by error",
     .details = "Reads a mesh (.stl .obj .ply .off, also with .gz) that is manifold, collapses the edges that cost\n"
                "least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
-               "as --error allows (.ply .obj .stl .off .glb). No collapse joins what is apart, turns a triangle or\n"
-               "makes two cross; a target below what that allows gives the smallest mesh that keeps it, marked\n"
-               "NOT MET. A closed mesh stays closed; an open one keeps its borders, unless --open says otherwise.\n"
+               "as --error allows (.ply .obj .stl .off .glb). No collapse joins what is apart, turns a triangle,\n"
+               "makes two cross or crumples thin parts; a target below what that allows gives the smallest mesh\n"
+               "that keeps it, marked NOT MET. A closed mesh stays closed; an open one keeps its borders, unless --open says otherwise.\n"
                "Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one .glb holds all.\n"
                "For any other mesh take lod.",
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"

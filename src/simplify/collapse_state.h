@@ -23,6 +23,7 @@ struct bvxi_collapse {
     bvxi_queue queue;
     uint32_t *version; /* of each vertex: grows when it moves */
     double scale;      /* quadrics measure lengths in units of 1 / scale, the mesh's size */
+    double area;       /* of the mesh as it was opened, in the same units */
     bvxi_collapse_counts counts;
     uint64_t packed; /* triangles when the mesh was packed last */
     uint64_t begun_vertices;

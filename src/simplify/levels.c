@@ -128,7 +128,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->met = met;
     r->crossings = crossings;
     r->least_angle = smallest_angle(&c->levels[i]);
-    r->refused = counts->link + counts->turned + counts->needle + counts->crossed;
+    r->refused = counts->link + counts->turned + counts->needle + counts->crossed + counts->crumpled;
     BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.3, bvx_mesh_check(ctx, &view, 0, &r->certificate)));
 
     if (c->measure_samples == 0) return BVX_OK;

@@ -22,7 +22,7 @@ typedef struct bvxi_collapse_options {
 
 /* What became of the edges that were tried. */
 typedef struct bvxi_collapse_counts {
-    uint64_t collapsed, link, turned, needle, crossed;
+    uint64_t collapsed, link, turned, needle, crossed, crumpled;
 } bvxi_collapse_counts;
 
 /* Take a checked view of a closed, manifold, oriented mesh, or of one with borders (BVX_ERR_ARGUMENT otherwise). The order of its

@@ -60,7 +60,8 @@ enum {
     BVXI_STAR_LINK = 1,
     BVXI_STAR_TURNS = 2,
     BVXI_STAR_NEEDLE = 3,
-    BVXI_STAR_CROSSES = 4
+    BVXI_STAR_CROSSES = 4,
+    BVXI_STAR_CRUMPLES = 5 /* judged by who collapses */
 };
 
 /* Gather the triangles around the edge opposite to a corner; 0 when they are too many, or the ends have more

@@ -137,6 +137,43 @@ static void test_surfaces_of_random_bits(void)
         }
 }
 
+/* Rods a voxel thick, along all axes: thinner than the triangles of a small level are long. */
+static void make_rods(int32_t side, int32_t apart, bvx_mesh *surface)
+{
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    int32_t const dims[3] = {side, side, side};
+    bvx_grid rods = {0};
+    bvx_lattice lattice;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &rods));
+    for (int32_t z = 0; z < side; z++)
+        for (int32_t y = 0; y < side; y++)
+            for (int32_t x = 0; x < side; x++)
+                bvx_grid_set(&rods, x, y, z, (x % apart == 0) + (y % apart == 0) + (z % apart == 0) >= 2);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &rods, NULL, surface));
+    bvx_grid_free(ctx, &rods);
+}
+
+/* A target that only crumpled rods keep is not met: what is left looks like rods. */
+static void test_thin_parts_do_not_crumple(void)
+{
+    static const uint64_t targets[2] = {4000, 4};
+    bvx_simplify_options o = defaults();
+    bvx_mesh surface = {0};
+    bvx_mesh_view view;
+    make_rods(41, 10, &surface);
+    bvx_mesh_view_of(&surface, &view);
+    o.target_triangles = targets;
+    o.measure_samples = 4000;
+    simplify_view(&view, &o, 2);
+    snprintf(where, sizeof where, "%d triangles, mean %g and %g, max %g", (int)level[1].triangle_count, report[1].distance.mean_a_to_b,
+             report[1].distance.mean_b_to_a, report[1].distance.max);
+    TEST_ASSERT_TRUE_MESSAGE(report[0].met && report[0].distance.max < 0.5, where);
+    TEST_ASSERT_TRUE_MESSAGE(!report[1].met && report[1].refused != 0, where);
+    TEST_ASSERT_TRUE_MESSAGE(report[1].distance.mean_a_to_b < 0.3 && report[1].distance.mean_b_to_a < 0.5 && report[1].distance.max < 4, where);
+    bvx_mesh_free(ctx, &surface);
+}
+
 /* ---- Planes ---- */
 
 static int is_at(const double *a, const double p[3])
@@ -768,6 +805,7 @@ int main(void)
     RUN_TEST(test_planes_that_meet_at_ten_degrees_keep_their_corners);
     RUN_TEST(test_a_thin_plate_keeps_its_corners);
     RUN_TEST(test_planes_keep_their_corners_by_default);
+    RUN_TEST(test_thin_parts_do_not_crumple);
     RUN_TEST(test_order_and_types_of_the_input_do_not_matter);
     RUN_TEST(test_levels_by_error_keep_it_in_every_order);
     RUN_TEST(test_threads_do_not_matter);
