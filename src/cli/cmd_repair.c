@@ -100,7 +100,7 @@ static void say_thin(cli_run *run, const bvx_repair_report *r)
             r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5], r->thin_kept ? ": kept" : "");
 }
 
-/* Dropped walls, and a size that has changed without overlaps. */
+/* Dropped walls, parts that the mesh has not, and a size that has changed without overlaps. */
 static void warn_of_repair(cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction)
 {
     const char *const remedy = reduction->done ? "ask for more --triangles or a smaller --error" : "take a higher --resolution";
@@ -114,6 +114,9 @@ static void warn_of_repair(cli_run *run, const bvx_repair_report *r, const cli_r
         cli_warn(run, "walls thinner than 1.5 voxels are dropped where no voxel's centre lies in them: %" PRIu64 " voxels of %" PRIu64
                       " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s", r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3],
                  box[4], box[5], advice);
+    if (r->after.components > r->before.components)
+        cli_warn(run, "the result has %" PRIu64 " parts, the mesh %" PRIu64 ": what is thinner than a voxel broke, or cavities closed; take a "
+                      "higher --resolution, or --least-part", r->after.components, r->before.components);
     if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || volume == 0) return;
     if (fabs(r->after.volume - volume) > 0.05 * volume)
         cli_warn(run, "the result's volume is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
