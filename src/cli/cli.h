@@ -461,7 +461,7 @@ int cli_check_fill(cli_run *run);
 /* --fill and its options; second and the report are the caller's. */
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
 /* The rule that filled, and why. */
-void cli_say_fill(cli_run *run, int32_t fill, int32_t reason, uint64_t turned);
+void cli_say_fill(cli_run *run, const bvx_solid_report *report);
 /* What the report of a solid tells: warnings; lines of text; a member of the JSON report. */
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
 void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);

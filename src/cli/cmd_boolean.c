@@ -272,6 +272,7 @@ static void report_operand(cli_run *run, const boolean_run *b, int i)
     cli_text_add(t, ", \"%s\": {\"fill\": \"%s\", \"reason\": \"%s\"", i == 0 ? "a" : "b", cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
     cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
+    cli_json_count(t, "doubles", r->doubles);
     cli_text_add(t, "}");
 }
 
@@ -319,7 +320,7 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
     if (b->report.crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n", b->report.crumbs);
     if (b->report.parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
     for (int i = 0; i < 2; i++)
-        if (b->is_mesh[i]) cli_say_fill(run, b->solid[i].fill, b->solid[i].fill_reason, b->solid[i].turned);
+        if (b->is_mesh[i]) cli_say_fill(run, &b->solid[i]);
     warn_of_boolean(run, b);
     if (b->kind != CLI_MESH) return;
     cli_tell_reduction(run, &b->reduction);

@@ -95,12 +95,13 @@ int cli_fill_input(cli_run *run, cli_input *in)
 /* In the order of BVX_FILL_REASON_... */
 const char *const cli_fill_reasons[] = {"asked", "sound", "nested", "overlap", "open", "unorientable"};
 
-void cli_say_fill(cli_run *run, int32_t fill, int32_t reason, uint64_t turned)
+void cli_say_fill(cli_run *run, const bvx_solid_report *r)
 {
-    static const char *const why[] = {"", ": closed, nothing lies inside twice", ": closed shells lie in others and cross none",
+    static const char *const why[] = {"", ": closed, nothing lies inside twice", ": closed shells lie in others and do not cross",
                                       ": closed shells cross", ": open edges", ": triangles that cannot be oriented"};
-    cli_say(run, "  fill        %s%s", cli_fill_names[fill], why[reason]);
-    if (turned != 0) cli_say(run, "; %" PRIu64 " triangle%s reversed", turned, turned == 1 ? "" : "s");
+    cli_say(run, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
+    if (r->turned != 0) cli_say(run, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
+    if (r->doubles != 0) cli_say(run, "; %" PRIu64 " double%s left out", r->doubles, r->doubles == 1 ? "" : "s");
     cli_say(run, "\n");
 }
 
@@ -113,7 +114,7 @@ void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_rep
 {
     const cli_options *const o = &run->options;
     double const voxel = voxel_volume(lattice);
-    cli_say_fill(run, r->fill, r->fill_reason, r->turned);
+    cli_say_fill(run, r);
     if (r->surface_voxels != 0) cli_say(run, "  surface     %" PRIu64 " voxels", r->surface_voxels);
     if (r->closed_voxels != 0) cli_say(run, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
     if (r->surface_voxels != 0) cli_say(run, "\n");
@@ -139,6 +140,7 @@ void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_
     cli_json_count(t, "crossings", r->crossings);
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
     cli_json_count(t, "dropped", r->dropped);
+    cli_json_count(t, "doubles", r->doubles);
     if (o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS || o->add_shell) cli_json_count(t, "surface_voxels", r->surface_voxels);
     if (o->fill == BVX_FILL_FLOOD) {
         cli_json_count(t, "closed_voxels", r->closed_voxels);

@@ -78,27 +78,43 @@ static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const d
     return BVX_OK;
 }
 
-/* The position becomes that of the points, which must be near that of the equation. */
-static bvx_status csl_points(bvxi_contour_file *f, const char *start, double *points, uint64_t count, double *position)
+static double csl_height(const bvxi_contour_file *f, const double p[3])
 {
     double const *const n = f->sections.normal;
-    double const equation = *position;
-    double first = 0.0, sum = 0.0; /* from the first point, so that equal heights have themselves as their mean */
+
+    return (p[0] * n[0] + p[1] * n[1]) + p[2] * n[2];
+}
+
+/* The position becomes that of the points that loops have, from first on in the stack. */
+static void csl_settle_position(bvxi_contour_file *f, uint64_t first, double *position)
+{
+    const double *const points = f->sections.points;
+    uint64_t const count = f->sections.point_count - first;
+    double base, sum = 0.0; /* from the first point, so that equal heights have themselves as their mean */
+
+    if (count == 0) return;
+    base = csl_height(f, points + 3 * first);
+    for (uint64_t i = first; i < f->sections.point_count; i++) sum += csl_height(f, points + 3 * i) - base;
+    *position = base + sum / (double)count;
+}
+
+/* A plane's points, some of which must be near its equation. */
+static bvx_status csl_points(bvxi_contour_file *f, const char *start, double *points, uint64_t count, double equation)
+{
     double largest = 0.0, low = HUGE_VAL, high = -HUGE_VAL;
+
     for (uint64_t i = 0; i < count; i++) {
         double *const p = points + 3 * i;
         double height;
+
         for (int k = 0; k < 3; k++) BVXI_TRY(csl_real(f, "expected a point's coordinate", &p[k]));
-        height = (p[0] * n[0] + p[1] * n[1]) + p[2] * n[2];
-        if (i == 0) first = height;
-        sum += height - first;
+        height = csl_height(f, p);
         low = height < low ? height : low;
         high = height > high ? height : high;
         for (int k = 0; k < 3; k++) largest = bvxi_absolute(p[k]) > largest ? bvxi_absolute(p[k]) : largest;
     }
     if (count == 0) return BVX_OK;
 
-    *position = first + sum / (double)count;
     /* Between the points is near enough: single points off their plane are the body's matter, and their mean is what is written. */
     if (!(equation >= low - CSL_PLANE_OFF * largest && equation <= high + CSL_PLANE_OFF * largest))
         return bvxi_contour_fail(f, start, BVX_ERR_FORMAT, "the plane's points do not lie where its equation says; check its D, "
@@ -169,6 +185,7 @@ static bvx_status csl_loops(bvxi_contour_file *f, const double *points, uint64_t
 static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
 {
     uint64_t number, points, loops;
+    uint64_t const first = f->sections.point_count;
     double equation[4], position = 0.0, *at = NULL;
     const char *start;
     bvx_status status;
@@ -180,9 +197,10 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     for (int i = 0; i < 4; i++) BVXI_TRY(csl_real(f, "expected the plane's equation", &equation[i]));
     BVXI_TRY(csl_plane_normal(f, start, equation, section == 0, &position));
     status = bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at);
-    if (status == BVX_OK) status = csl_points(f, start, at, points, &position);
+    if (status == BVX_OK) status = csl_points(f, start, at, points, position);
     if (status == BVX_OK) status = bvxi_contour_add_section(f, position);
     if (status == BVX_OK) status = csl_loops(f, at, points, section, loops);
+    if (status == BVX_OK) csl_settle_position(f, first, &f->sections.positions[section]);
     bvxi_free(f->ctx, at, points * 24);
     return status;
 }

@@ -501,10 +501,11 @@ static void report_walls(thin_job *t, uint8_t *own)
 
     for (uint64_t n = 0; n < t->count; n++) {
         const thin_point *const p = &t->point[n];
-        int const bin = (int)((double)p->wall * (THIN_BINS / THIN_WALL));
         int32_t at[3];
+        int bin;
 
         if (p->wall == THIN_NO_WALL) continue;
+        bin = (int)((double)p->wall * (THIN_BINS / THIN_WALL)); /* walls are THIN_WALL at most */
         centre_of_bit(&t->places, t->at[n], at);
         take_into_box(r, at);
         r->thin_voxels++;

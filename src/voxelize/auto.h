@@ -8,8 +8,9 @@
 typedef struct bvxi_auto {
     int32_t fill, reason; /* BVX_FILL_..., BVX_FILL_REASON_... */
     bvx_mesh_view view;   /* of the triangles as they are to be filled */
-    uint32_t *index;      /* its indices where triangles are turned, else NULL [Size: triangles * 3] */
+    uint32_t *index;      /* its indices where triangles are turned or dropped, else NULL [Size: triangles * 3] */
     uint64_t turned;      /* triangles */
+    uint64_t doubles;     /* triangles left out */
 } bvxi_auto;
 
 /* Fill solid by the rule that suits the mesh, adding counts to the report. Whole lattices of sound closed meshes are filled by

@@ -9,6 +9,7 @@
  * Guarantee: the choice follows from mesh and lattice, whatever the window; a sound closed mesh has parity's bits. */
 #include "mesh/crossing_pairs.h"
 #include "mesh/patches.h"
+#include "mesh/pieces.h"
 #include "mesh/weld.h"
 #include "voxelize/auto.h"
 
@@ -81,14 +82,36 @@ static bvx_status turn_triangles(bvx_context *ctx, auto_work *w)
     return BVX_OK;
 }
 
-static bvx_status look_at_edges(bvx_context *ctx, const bvx_mesh_view *mesh, auto_work *w)
+/* Triangles that are there twice count once: each copy would be inside of all others. */
+static bvx_status drop_copies(bvx_context *ctx, auto_work *w)
 {
+    bvx_mesh_view *const view = &w->choice.view;
+    uint64_t kept;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 12, "the triangles once each", &w->choice.index));
+    BVXI_TRY(bvxi_drop_duplicates(ctx, view, w->representative, w->choice.index, &kept));
+
+    w->choice.doubles = view->triangle_count - kept;
+    view->indices = w->choice.index;
+    view->index_type = BVX_U32;
+    view->index_stride = 0;
+    view->triangle_count = kept;
+    w->job.view = view;
+    return BVX_OK;
+}
+
+/* Weld, and turn patches. unbalanced: there may be copies of triangles. */
+static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int unbalanced)
+{
+    const bvx_mesh_view *const view = &w->choice.view;
     uint64_t different;
 
     bound_triangles(w);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' places", &w->representative));
-    BVXI_TRY(bvxi_weld(ctx, mesh, w->representative, &different));
-    BVXI_TRY(bvxi_patches_open(ctx, mesh, w->representative, w->centre, &w->patches));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' places", &w->representative));
+    BVXI_TRY(bvxi_weld(ctx, view, w->representative, &different));
+    if (unbalanced) BVXI_TRY(drop_copies(ctx, w));
+
+    BVXI_TRY(bvxi_patches_open(ctx, view, w->representative, w->centre, &w->patches));
     w->choice.turned = w->patches.turned;
     return w->patches.turned != 0 ? turn_triangles(ctx, w) : BVX_OK;
 }
@@ -114,7 +137,7 @@ static uint64_t sum_volumes(const auto_work *w, double *volume)
 
 /* Turn the parts that are inside out and cross others: two that overlap would cancel out. One that crosses none is a cavity, or
  * inside by any rule. */
-static bvx_status turn_inverted(bvx_context *ctx, const bvx_mesh_view *mesh, auto_work *w, const double *volume, uint64_t pair_count)
+static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *volume, uint64_t pair_count)
 {
     uint32_t *pairs = NULL;
     uint8_t *crosses = NULL;
@@ -122,7 +145,7 @@ static bvx_status turn_inverted(bvx_context *ctx, const bvx_mesh_view *mesh, aut
 
     if (status == BVX_OK) status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->patches.triangles, "the parts that cross", &crosses);
     if (status == BVX_OK)
-        status = bvxi_mesh_crossings(ctx, w->job.function, mesh, w->low, w->high, w->representative, &pair_count, pairs, pair_count);
+        status = bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high, w->representative, &pair_count, pairs, pair_count);
     for (uint64_t i = 0; i < pair_count && status == BVX_OK; i++) {
         uint32_t const a = w->patches.part[pairs[2 * i]], b = w->patches.part[pairs[2 * i + 1]];
         if (a != b) crosses[a] = crosses[b] = 1;
@@ -137,14 +160,14 @@ static bvx_status turn_inverted(bvx_context *ctx, const bvx_mesh_view *mesh, aut
     return status == BVX_OK ? turn_triangles(ctx, w) : status;
 }
 
-static bvx_status choose_for_parts(bvx_context *ctx, const bvx_mesh_view *mesh, auto_work *w, int32_t depths)
+static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depths)
 {
     uint64_t const bytes = w->patches.triangles * sizeof(double);
     double *volume;
     uint64_t pairs = 0;
     bvx_status status;
 
-    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, mesh, w->low, w->high, w->representative, &pairs, NULL, 0));
+    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high, w->representative, &pairs, NULL, 0));
     if (pairs == 0) {
         choose_auto(w, BVX_FILL_PARITY, (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
         return BVX_OK;
@@ -152,7 +175,7 @@ static bvx_status choose_for_parts(bvx_context *ctx, const bvx_mesh_view *mesh, 
 
     choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the parts' volumes", &volume));
-    status = sum_volumes(w, volume) != 0 ? turn_inverted(ctx, mesh, w, volume, pairs) : BVX_OK;
+    status = sum_volumes(w, volume) != 0 ? turn_inverted(ctx, w, volume, pairs) : BVX_OK;
     bvxi_free(ctx, volume, bytes);
     return status;
 }
@@ -192,7 +215,7 @@ static bvx_status look_for_depths(bvx_context *ctx, auto_work *w, const bvx_latt
     return status;
 }
 
-static bvx_status choose_closed(bvx_context *ctx, const bvx_mesh_view *mesh, auto_work *w, const bvx_lattice *lattice)
+static bvx_status choose_closed(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
 {
     int32_t depths;
 
@@ -202,19 +225,19 @@ static bvx_status choose_closed(bvx_context *ctx, const bvx_mesh_view *mesh, aut
         return BVX_OK;
     }
 
-    if (w->representative == NULL) BVXI_TRY(look_at_edges(ctx, mesh, w));
+    if (w->representative == NULL) BVXI_TRY(look_at_edges(ctx, w, 0));
 
     /* A closed surface of one part that crosses itself nowhere is one deep: nothing need be searched. */
     if (count_parts(&w->patches) == 1) {
         choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
         return BVX_OK;
     }
-    return choose_for_parts(ctx, mesh, w, depths);
+    return choose_for_parts(ctx, w, depths);
 }
 
-static bvx_status choose_unbalanced(bvx_context *ctx, const bvx_mesh_view *mesh, auto_work *w, const bvx_lattice *lattice)
+static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
 {
-    BVXI_TRY(look_at_edges(ctx, mesh, w));
+    BVXI_TRY(look_at_edges(ctx, w, 1));
 
     if (w->patches.unorientable != 0 || (w->patches.odd_edges == 0 && w->patches.open_edges != 0)) {
         choose_auto(w, BVX_FILL_VOTE, BVX_FILL_REASON_UNORIENTABLE);
@@ -224,22 +247,22 @@ static bvx_status choose_unbalanced(bvx_context *ctx, const bvx_mesh_view *mesh,
         choose_auto(w, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN);
         return BVX_OK;
     }
-    return choose_closed(ctx, mesh, w, lattice);
+    return choose_closed(ctx, w, lattice);
 }
 
 /* ---- The whole ---- */
 
-static bvx_status choose_or_fill(bvx_context *ctx, const bvx_mesh_view *mesh, auto_work *w, bvx_grid *solid, bvx_solid_report *report,
+static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid, bvx_solid_report *report,
                                  int32_t *filled)
 {
     int32_t balanced;
 
     BVXI_TRY(bvxi_edges_balance(ctx, &w->job, 0.1, &balanced));
-    if (!balanced) return BVXI_SHARE(ctx, 0.1, 0.8, choose_unbalanced(ctx, mesh, w, &solid->lattice));
+    if (!balanced) return BVXI_SHARE(ctx, 0.1, 0.8, choose_unbalanced(ctx, w, &solid->lattice));
 
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
     if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice)) BVXI_TRY(try_parity(ctx, w, solid, report, filled));
-    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.1, 0.8, choose_closed(ctx, mesh, w, &solid->lattice));
+    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.1, 0.8, choose_closed(ctx, w, &solid->lattice));
 }
 
 bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, bvxi_fill_by_name_fn *by_name, bvx_grid *solid,
@@ -252,7 +275,7 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     memset(&w, 0, sizeof w);
     w.choice.view = *mesh;
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));
-    status = choose_or_fill(ctx, mesh, &w, solid, report, &filled);
+    status = choose_or_fill(ctx, &w, solid, report, &filled);
     bvxi_patches_close(ctx, &w.patches);
     bvxi_free(ctx, w.representative, mesh->vertex_count * 4);
     bvxi_solid_close(ctx, &w.job);
@@ -262,5 +285,6 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;
     report->turned = w.choice.turned;
+    report->doubles = w.choice.doubles;
     return status;
 }

@@ -136,6 +136,26 @@ static void test_doubled_triangles_are_there_once(void)
     bvx_grid_free(ctx, &g);
 }
 
+static void test_some_doubled_triangles_are_there_once(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid good, g;
+    size_t count;
+
+    add_ball(24.3, 24.1, 24.2, 20);
+    good = solid_of(&l, BVX_FILL_PARITY);
+    count = mesh.triangles;
+    for (size_t t = 0; t < count; t += 7) maker_duplicate(&mesh, t);
+    maker_flip(&mesh, count + 3, count + 9);
+
+    assert_auto_equals(&good, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0, "every seventh triangle twice");
+    g = by_auto(&l, &r);
+    TEST_ASSERT_EQUAL_UINT64((count + 6) / 7, r.doubles);
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &good);
+}
+
 /* ---- Cavities ---- */
 
 static void test_cavities_stay_cavities(void)
@@ -401,6 +421,7 @@ int main(void)
     RUN_TEST(test_a_part_inside_out_that_overlaps_is_turned);
     RUN_TEST(test_a_part_inside_out_beside_a_right_one_is_inside);
     RUN_TEST(test_doubled_triangles_are_there_once);
+    RUN_TEST(test_some_doubled_triangles_are_there_once);
     RUN_TEST(test_cavities_stay_cavities);
     RUN_TEST(test_cavities_stay_beside_overlaps);
     RUN_TEST(test_holes_are_filled_by_winding_after_turning);
