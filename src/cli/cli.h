@@ -340,6 +340,11 @@ int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
 /* The same, or a cloud of points: .xyz, or .ply without faces. */
 int cli_read_mesh_or_cloud(cli_run *run, const char *path, bvx_mesh *mesh, int *cloud);
 
+/* ---- vti_blocks.c: VTK's XML images with packed arrays ---- */
+
+/* A .vti file with blocks of zlib becomes the same without; others stay. */
+int cli_unpack_vti(cli_run *run, const char *path, cli_bytes *bytes);
+
 /* ---- inputs.c: any input by its ending ---- */
 
 enum { CLI_MESH = 1, CLI_GRID = 2, CLI_TREE = 3 };

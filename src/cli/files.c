@@ -275,6 +275,7 @@ int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
     status = read_bytes(run, path, file, held, b);
     if (!standard) fclose(file);
     if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
+    if (status == CLI_DONE && cli_input_format(run, path) == BVX_FORMAT_VTI) status = cli_unpack_vti(run, path, b);
     cli_note_peak(run, b->size);
     return status;
 }

@@ -124,6 +124,76 @@ elif command -v gzip >/dev/null 2>&1; then
     gives 'gzip samples cut short' 1 'damaged' voxelize cut.nrrd -o cut.bvx --level 120
 fi
 
+# ---- .vti with blocks of zlib ----
+if ! has python3; then
+    skip 'packed .vti' 'python3 is missing'
+elif "$program" info "$fixtures/knot.ply.gz" 2>&1 | grep -q 'without zlib'; then
+    skip 'packed .vti' 'made without zlib'
+else
+    cat >vti.py <<'P'
+import base64, struct, sys, zlib
+
+def pack(data, block, head, big):
+    parts = [data[i:i + block] for i in range(0, len(data), block)]
+    packed = [zlib.compress(p) for p in parts]
+    last = len(parts[-1]) % block if parts else 0
+    return struct.pack(('>' if big else '<') + head * (3 + len(parts)), len(parts), block, last, *map(len, packed)), b''.join(packed)
+
+def write(name, how, head='I', big=False, block=4000):
+    data = open(sys.argv[1], 'rb').read()
+    values = data if not big else data
+    b64 = lambda h, p: base64.b64encode(h) + base64.b64encode(p)
+    arrays = [('first', 'Float32', struct.pack(('>' if big else '<') + '61440f', *range(61440))), ('waves', 'UInt8', values)]
+    tags, tail = b'', b''
+    for label, kind, plain in arrays:
+        h, p = pack(plain, block, head, big)
+        body = b64(h, p) if how != 'raw' else h + p
+        if how == 'binary':
+            tags += b'<DataArray type="%s" Name="%s" format="binary">\n  %s\n</DataArray>' % (kind.encode(), label.encode(), body)
+        else:
+            tags += b'<DataArray type="%s" Name="%s" format="appended" offset="%d"/>' % (kind.encode(), label.encode(), len(tail))
+            tail += body
+    out = b'<?xml version="1.0"?>\n<VTKFile type="ImageData" version="1.0" byte_order="%s" header_type="%s" compressor="vtkZLibDataCompressor">\n' % (
+        b'BigEndian' if big else b'LittleEndian', b'UInt64' if head == 'Q' else b'UInt32')
+    out += b'<ImageData WholeExtent="0 48 0 40 0 32" Origin="0 0 0" Spacing="1 1 1.25"><Piece Extent="0 48 0 40 0 32"><CellData Scalars="waves">'
+    out += tags + b'</CellData></Piece></ImageData>'
+    if how != 'binary':
+        out += b'<AppendedData encoding="%s">_' % (b'raw' if how == 'raw' else b'base64') + tail + b'</AppendedData>'
+    open(name, 'wb').write(out + b'</VTKFile>\n')
+
+write('raw.vti', 'raw')
+write('whole.vti', 'raw', block=61440)
+write('wide.vti', 'raw', 'Q', block=1000)
+write('big.vti', 'raw', 'I', True)
+write('base64.vti', 'base64')
+write('inline.vti', 'binary', 'Q')
+raw = open('raw.vti', 'rb').read()
+at = raw.index(b'>_') + 2
+second = int(raw.split(b'offset="')[2].split(b'"')[0])
+open('cut.vti', 'wb').write(raw[:len(raw) - 400])
+open('damaged.vti', 'wb').write(raw[:at + second + 100] + b'XXXX' + raw[at + second + 104:])
+open('many.vti', 'wb').write(raw[:at + second] + b'\xff\xff\xff\x7f' + raw[at + second + 4:])
+open('bomb.vti', 'wb').write(raw[:at + second + 4] + b'\xff\xff\xff\x7f' + raw[at + second + 8:])
+open('lz4.vti', 'wb').write(raw.replace(b'vtkZLibDataCompressor', b'vtkLZ4DataCompressor'))
+P
+    holds 'packed .vti are made' python3 vti.py "$fixtures/waves.raw"
+    for name in raw whole wide big base64 inline; do
+        gives "blocks of zlib: $name" 0 '3643 set' voxelize $name.vti -o vti.bvx --level 120
+        same "their grid: $name" vti.bvx level.bvx
+    done
+    gives 'blocks of zlib: what is not 0' 0 'set' convert raw.vti -o vti.npy
+    gives 'blocks of zlib: samples' 0 'u8, from 0 to 184' info inline.vti
+    gzip -c raw.vti >again.vti.gz
+    gives 'blocks of zlib in gzip' 0 '3643 set' voxelize again.vti.gz -o vti.bvx --level 120
+    gives 'blocks cut short' 1 'cut.vti: VTI: ' voxelize cut.vti -o a.bvx --level 120
+    gives 'a damaged block' 1 'a packed block is damaged' voxelize damaged.vti -o a.bvx --level 120
+    gives 'more blocks than bytes' 1 'more blocks than the file has bytes for' voxelize many.vti -o a.bvx --level 120
+    gives 'blocks larger than they can be' 1 'hold more than they can' voxelize bomb.vti -o a.bvx --level 120
+    gives 'blocks beyond the memory limit' 1 'are more than the' voxelize whole.vti -o a.bvx --level 120 --memory-limit 300K
+    gives 'another packer' 1 'the data is compressed' voxelize lz4.vti -o a.bvx --level 120
+    if ls a.* >/dev/null 2>&1; then not_ok 'nothing is left of them' "$(ls a.*)"; else ok 'nothing is left of them'; fi
+fi
+
 # ---- real data ----
 if [ -f "$volumes/vtk_headsq_quarter.tar.gz" ] && tar -xzf "$volumes/vtk_headsq_quarter.tar.gz" 2>/dev/null; then
     gives 'the CT head from its slices' 0 'closed, manifold' voxelize headsq/quarter.nhdr -o head.stl --level 1150
