@@ -110,8 +110,9 @@ const cli_command cli_simplify = {
                "least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
                "as --error allows (.ply .obj .stl .off .glb). No collapse joins what is apart, turns a triangle,\n"
                "makes two cross or crumples thin parts; a target below what that allows gives the smallest mesh\n"
-               "that keeps it, marked NOT MET. A closed mesh stays closed; an open one keeps its borders, unless --open says otherwise.\n"
-               "Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one .glb holds all.\n"
+               "that keeps it, marked NOT MET. A closed mesh stays closed; an open one keeps its borders, unless\n"
+               "--open says otherwise. Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one\n"
+               ".glb holds all.\n"
                "For any other mesh take lod.",
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
                "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",

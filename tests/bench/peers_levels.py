@@ -3,7 +3,8 @@
 Writes OUT/levels.md, levels_each.md (every level), levels.json (the same as numbers), levels.jsonl (what was to be reached).
 
 PROGRAM is bitvox. Ours gets the file; the others get it welded (vertices at equal positions merged, triangles with two equal
-corners dropped), which is kinder to them than the file. All are measured by levels_judge.py against the file's triangles.
+corners dropped), which is kinder to them than the file. Open meshes are simplified once more with `--open cut`, which keeps their
+borders as the others do. All are measured by levels_judge.py against the file's triangles.
 
 What the others made is kept in OUT/levels by input, version and count, so that a second run measures ours alone.
     BENCH_LEVELS_OPTIONS=...  more options of `bitvox lod`, such as --collapse 4
@@ -40,6 +41,7 @@ PEER_SECONDS = 900
 OURS = "bitvox"
 NAMES = (OURS, *PEERS)
 MORE = 1.02  # a level with more triangles than this times the count asked for did not reach it
+OPEN_OPTIONS = ["--open", "cut"]  # sheets stay sheets, as with the others; also those that meet three at an edge
 SAME = 1e-4  # percent of the diagonal, about what floats lose: levels within it count as equally near
 
 
@@ -198,18 +200,18 @@ def run_ours(source, targets, tag):
         group = [t for t in group if not isinstance(made.get(t), tuple)]
         if group:
             pattern = os.path.join(folder, f"ours_{source.name}_{tag}_%d.ply")
-            call_ours(made, source.path, group, pattern, pattern if chain else pattern % 0)
+            call_ours(made, source.path, group, pattern, pattern if chain else pattern % 0, OPEN_OPTIONS if tag == "open" else [])
     return made
 
 
-def call_ours(made, path, group, pattern, result):
+def call_ours(made, path, group, pattern, result, options):
     for i in range(len(group)):
         if os.path.exists(pattern % i):
             os.remove(pattern % i)
     counts = ",".join(map(str, group))
     words = {"IN": path, "OUT": result, "COUNTS": counts, "COUNT": counts}
     line = [program] + [words.get(word, word) for word in shlex.split(command)]
-    line += shlex.split(os.environ.get("BENCH_LEVELS_OPTIONS", "")) + ["--json", "--quiet"]
+    line += options + shlex.split(os.environ.get("BENCH_LEVELS_OPTIONS", "")) + ["--json", "--quiet"]
     done = subprocess.run(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     try:
@@ -382,11 +384,16 @@ def write_tables(sets, off, file):
         if sets[share]:
             show_distances(f"Real meshes at {100 * share:.0f} %", sets[share], file)
     show_nearer({f"at {100 * share:.0f} %": sets[share] for share in SHARES}, file)
+    if sets["open"]:
+        show_distances("Open meshes that keep their borders (" + " ".join(OPEN_OPTIONS) + ")", sets["open"], file)
+        show_nearer({"with borders": sets["open"]}, file)
     if sets["large"]:
         show_distances("The large dragon", sets["large"], file)
     if sets["cad"]:
         show_cad(sets["cad"], file)
     show_sums("Defects and time, real meshes", sum((sets[s] for s in SHARES), []), file)
+    if sets["open"]:
+        show_sums("Defects and time, open meshes that keep their borders", sets["open"], file)
     show_sums("Defects and time, the large dragon and parts", sets["large"] + sets["cad"], file)
     if off:
         print(f"\n`bitvox compare` agrees with these distances within {max(map(abs, off)):.1f} % on {len(off)} levels.", file=file)
@@ -399,6 +406,9 @@ def write_targets(sets, file):
     def say(title, value, unit, target, below):
         print(json.dumps({"title": title, "value": value, "unit": unit, "target": target, "below": below}), file=file)
 
+    if sets["open"]:
+        count, both = nearer(sets["open"], "meshoptimizer")
+        say("levels: levels with borders nearer than meshoptimizer's", count, "levels", both, False)
     for row, goal in zip(sets["large"], (0.0115, 0.054)):
         if usable(row, OURS):
             say(f"levels: large dragon to {row['target']:,}", row["by"][OURS]["mean"], "% of the diagonal", goal, True)
@@ -407,7 +417,7 @@ def write_targets(sets, file):
         say(f"levels: meshes nearer than by meshoptimizer at {100 * share:.0f} %", count, "meshes", 17, False)
     parts = nearer(sets["cad"], "meshoptimizer", 1.2)
     say("levels: parts at most 1.2 times as far as by meshoptimizer at 5 %", parts[0], "parts", parts[1], False)
-    found = [defects(r, OURS) for rows in sets.values() for r in rows if usable(r, OURS)]
+    found = [defects(r, OURS) for key, rows in sets.items() for r in rows if key != "open" and usable(r, OURS)]
     for key, title in (("crossing_triangles", "crossing triangles"), ("components", "components that the input has not")):
         say(f"levels: {title}", sum(d[key] for d in found), "in all", 0, True)
 
@@ -434,6 +444,8 @@ def jobs_of(real, parts):
     for source in real:
         counts = source.targets(SHARES)
         yield source, counts, "share"
+        if source.shape()["boundary_edges"] and command.startswith("lod "):
+            yield source, counts, "open"
         if source.name in CAD_FILES:
             yield source, source.targets([CAD_SHARE]), "cad"
         if source.name == LARGE:
@@ -443,7 +455,7 @@ def jobs_of(real, parts):
 
 
 def measure_all(jobs):
-    sets = {share: [] for share in SHARES} | {"large": [], "cad": []}
+    sets = {share: [] for share in SHARES} | {"large": [], "cad": [], "open": []}
     off = []
     for source, counts, tag in jobs:
         rows = measure_input(source, counts, tag, tag == "cad")
