@@ -242,3 +242,43 @@ def test_ct_head(tmp_path):
     skull = v.surface(1150)
     c = skull.check()
     assert c.closed and c.edge_manifold and c.vertex_manifold and c.oriented and c.triangles > 50000
+
+
+@pytest.mark.parametrize("how", ["raw", "base64", "binary"])
+@pytest.mark.parametrize("head", ["<I", "<Q", ">I"])
+def test_vti_with_blocks_of_zlib(tmp_path, how, head):
+    import base64
+    import struct
+    import zlib
+
+    a = np.arange(6 * 5 * 7, dtype=head[0] + "u2").reshape(7, 5, 6)
+    tags, tail = "", b""
+    for name in ("other", "wanted"):
+        plain = (a if name == "wanted" else a * 0).tobytes()
+        parts = [plain[i : i + 100] for i in range(0, len(plain), 100)]
+        packed = [zlib.compress(p) for p in parts]
+        front = struct.pack(f"{head[0]}{3 + len(parts)}{head[1]}", len(parts), 100, len(plain) % 100, *map(len, packed))
+        body = front + b"".join(packed) if how == "raw" else base64.b64encode(front) + base64.b64encode(b"".join(packed))
+        if how == "binary":
+            tags += f'<DataArray type="UInt16" Name="{name}" format="binary">\n{body.decode()}\n</DataArray>'
+        else:
+            tags += f'<DataArray type="UInt16" Name="{name}" format="appended" offset="{len(tail)}"/>'
+            tail += body
+    order = "BigEndian" if head[0] == ">" else "LittleEndian"
+    text = (f'<VTKFile type="ImageData" version="1.0" byte_order="{order}" header_type="UInt{32 if head[1] == "I" else 64}" '
+            f'compressor="vtkZLibDataCompressor"><ImageData WholeExtent="0 6 0 5 0 7" Origin="0 0 0" Spacing="1 1 1">'
+            f'<Piece Extent="0 6 0 5 0 7"><CellData Scalars="wanted">{tags}</CellData></Piece></ImageData>').encode()
+    if how != "binary":
+        text += f'<AppendedData encoding="{how}">_'.encode() + tail + b"</AppendedData>"
+    (tmp_path / "x.vti").write_bytes(text + b"</VTKFile>")
+    v = bitvox.read_volume(tmp_path / "x.vti")
+    assert np.array_equal(np.asarray(v.array), a.transpose(2, 1, 0))
+    assert bitvox.read(tmp_path / "x.vti").count == a.size - 1
+    if how == "raw":
+        spoilt = bytearray(text)
+        spoilt[-60:-40] = bytes(20)
+        (tmp_path / "bad.vti").write_bytes(spoilt)
+        with pytest.raises(bitvox.FormatError, match="damaged"):
+            bitvox.read_volume(tmp_path / "bad.vti")
+        with pytest.raises(bitvox.MemoryLimitError):
+            bitvox.read_volume(tmp_path / "x.vti", memory_limit=100)

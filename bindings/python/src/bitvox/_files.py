@@ -11,6 +11,7 @@ from ._grid import Grid, new_grid
 from ._lattice import WindowLike, set_window
 from ._mesh import Mesh, new_mesh
 from ._run import Progress, Run, ffi, function, lib, options_of
+from ._vti import without_blocks
 from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
 
 MESH_FORMATS = ("stl", "obj", "ply", "off")
@@ -132,7 +133,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
         FormatError: what is wrong with which byte or line. UnsupportedError: no such format.
     """
     kind = format.lower().lstrip(".")
-    held = ffi.from_buffer(data)
+    held = ffi.from_buffer(without_blocks(data, memory_limit) if kind == "vti" else data)
     if close_gap is not None and kind not in SECTION_FORMATS:
         raise ArgumentError("close_gap is for sections")
     if drop_nonfinite and kind not in MESH_FORMATS:

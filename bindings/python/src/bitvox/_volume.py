@@ -243,6 +243,7 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
         A `Volume`. Use `Volume.threshold`, `Volume.surface` and `Volume.labels` to make something of it.
     """
     from ._files import _format_of, read_bytes
+    from ._vti import without_blocks
 
     np = arrays.numpy("read_volume")
     path = os.fspath(path)
@@ -269,6 +270,8 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     elif shape is not None or dtype is not None or offset:
         raise ArgumentError("shape, dtype and offset are for raw files")
     data = read_bytes(path)
+    if kind == "vti":
+        data = without_blocks(data, memory_limit)
     held = ffi.from_buffer(data)
     volume = ffi.gc(ffi.new("bvx_volume *"), lib.bvxpy_free_volume)
     with Run(threads, memory_limit, progress) as run:
