@@ -1930,7 +1930,8 @@ typedef struct bvx_sections_report {
                                    hardly any else. In the paper's way triangles of neighbouring cells cross too, uncounted */
     uint64_t nested_slabs;    /**< pairs of neighbouring sections that were blended level by level */
     uint64_t joined_slabs;    /**< pairs that were not, since their levels would cross there: walls much thinner than a cell */
-    uint64_t reserved[5];
+    uint64_t mended_loops;    /**< loops given that were split, joined or left out */
+    uint64_t reserved[4];
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {
@@ -1946,7 +1947,9 @@ typedef struct bvx_sections_options {
     int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64 [Default: BVX_F64, which keeps the contours' points] */
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
     int32_t nesting;       /**< BVX_NESTING_... [Default: BVX_NESTING_LEVELS] */
-    int32_t reserved;
+    int32_t mend;          /**< 1: loops that touch or cross themselves or each other are split there; inside stays what an odd
+                                number of loops enclose. Slits (a hole joined to its outline), spikes and borders that two loops
+                                have in common go, with points that lie on nothing else [Default: 0, they are refused] */
 } bvx_sections_options;
 
 BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);

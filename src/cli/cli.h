@@ -136,7 +136,7 @@ typedef struct cli_options {
     cli_list seeds;             /* three numbers each */
     const char *mesh;           /* the file of a surface's mesh */
     int32_t connectivity;
-    int32_t layers, caps, nesting, crossings, subdivide, label; /* sections */
+    int32_t layers, caps, nesting, mend, crossings, subdivide, label; /* sections */
     const char *block_model;
     cli_triple block;
     double close_gap;           /* between the ends of a contour */
@@ -308,6 +308,8 @@ int cli_fail(cli_run *run, const char *format, ...);
 int cli_usage(cli_run *run, const char *format, ...);
 /* The same for a call of the library that failed; about names the file or is NULL. CLI_INTERRUPTED when cancelled. */
 int cli_fail_status(cli_run *run, bvx_status status, const char *about);
+/* The same, with an advice behind the message. */
+int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice);
 int cli_fail_interrupted(cli_run *run);
 /* What an interrupt left, as the message says it. */
 void cli_interrupt_text(const cli_run *run, char *text, size_t room);

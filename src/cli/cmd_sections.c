@@ -46,6 +46,12 @@ static int check_sections_options(cli_run *run)
     return CLI_DONE;
 }
 
+static int is_meeting(const char *message)
+{
+    return strstr(message, "crosses or touches") != NULL || strstr(message, "cross or touch") != NULL ||
+           strstr(message, "encloses no area") != NULL || strstr(message, "a loop needs three") != NULL;
+}
+
 static int build_body(cli_run *run, sections_job *job)
 {
     const cli_options *const o = &run->options;
@@ -62,6 +68,7 @@ static int build_body(cli_run *run, sections_job *job)
     if (cli_given(run, "--label")) s.label = o->label;
     s.caps = o->caps;
     s.nesting = o->nesting;
+    s.mend = o->mend;
     s.crossings = o->crossings;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
@@ -69,6 +76,8 @@ static int build_body(cli_run *run, sections_job *job)
     job->seconds = cli_stage_end(run);
     if (status == BVX_ERR_ARGUMENT && strstr(bvx_last_message(run->context), "choose one by its label") != NULL)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label", cli_input_name(o->input[0]));
+    if ((status == BVX_ERR_FORMAT || status == BVX_ERR_EMPTY) && !o->mend && is_meeting(bvx_last_message(run->context)))
+        return cli_fail_advised(run, status, cli_input_name(o->input[0]), "; --mend splits loops there");
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     bvx_mesh_view_of(&job->mesh, &view);
     cli_stage_begin(run, "check");
@@ -188,6 +197,7 @@ static void say_body(cli_run *run, const sections_job *job)
     cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
     cli_say(run, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points", r->sections, r->loops, r->holes, r->points);
     if (r->empty_sections != 0) cli_say(run, ", %" PRIu64 " empty", r->empty_sections);
+    if (r->mended_loops != 0) cli_say(run, "; %" PRIu64 " loops mended", r->mended_loops);
     cli_say(run, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1], r->cell[0], r->cell[1]);
     cli_say(run, "  crossings   %" PRIu64 "; %" PRIu64 " edges crossed more than once, %" PRIu64 " loops in one cell; %" PRIu64 " cells became %" PRIu64 "\n",
             r->crossings, r->multiple_edges, r->inner_loops, r->split_cells, r->leaf_cells);
@@ -223,6 +233,7 @@ static void report_body(cli_run *run, const sections_job *job)
     cli_json_count(t, "holes", r->holes);
     cli_json_count(t, "points", r->points);
     cli_json_count(t, "repeated_points", r->repeated_points);
+    cli_json_count(t, "mended_loops", r->mended_loops);
     cli_json_count(t, "crossings", r->crossings);
     cli_json_count(t, "multiple_edges", r->multiple_edges);
     cli_json_count(t, "inner_loops", r->inner_loops);

@@ -202,6 +202,7 @@ static const cli_argument arguments[] = {
            "the ends: flat on the first and last section; taper: each part to a\nridge half a spacing beyond, also those that end in between; open [flat]"),
     CHOICE("--nesting", "HOW", CLI_SECTIONS, nesting, nesting_names, BVX_NESTING_LEVELS,
            "loops in loops between two sections: levels, outlines and holes each\nfor themselves, so that walls have no windows; whole, both at\nonce [levels]"),
+    FLAG("--mend", CLI_SECTIONS, mend, "split loops where they touch or cross, in place of refusing them; inside\nstays what an odd number of loops enclose"),
     CHOICE("--crossings", "HOW", CLI_SECTIONS, crossings, crossings_names, BVX_CROSSINGS_EXACT,
            "on the sections' planes: exact, by the contours themselves; paper, by\ninterpolated distances with the contours' points put in; classic,\nmarching cubes [exact]"),
     FLAG("--crossings", CLI_INFO, count_crossings, "also count the pairs of triangles that cross or touch beyond what they\nshare; of meshes"),

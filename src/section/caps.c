@@ -15,6 +15,7 @@ typedef struct cap_work {
     bvxi_stack *s;
     const bvxi_plane *plane;
     int32_t side;
+    int fixed;                    /* 1: all points are corners, in fixed point */
     uint32_t *after;              /* the next corner behind each point that is one, else none */
     uint32_t *corner;             /* points round the region, those at bridges twice */
     uint32_t count;
@@ -174,6 +175,16 @@ static int is_straight(const bvxi_plane *p, uint32_t before, uint32_t i)
     return along > 0.0 && (turn < 0.0 ? -turn : turn) <= CAP_STRAIGHT * along;
 }
 
+/* 1 when points are moved apart in fixed point from others that lie at their place: the region is simple there alone. */
+static int has_moved_points(const cap_work *w)
+{
+    for (uint32_t i = 0; i < w->plane->point_count && w->s->nudge != NULL && !w->plane->lines; i++) {
+        const int8_t *const nudge = w->s->nudge[w->plane->given[i]];
+        if (nudge[0] != 0 || nudge[1] != 0) return 1;
+    }
+    return 0;
+}
+
 static void find_corners(cap_work *w)
 {
     const bvxi_plane *const p = w->plane;
@@ -186,7 +197,7 @@ static void find_corners(cap_work *w)
             n = 0;
             for (uint32_t i = c->first; i < end; i++) {
                 w->after[i] = BVXI_NONE;
-                if (pass == 0 && !p->lines && is_straight(p, i == c->first ? end - 1 : i - 1, i)) continue;
+                if (pass == 0 && !p->lines && !w->fixed && is_straight(p, i == c->first ? end - 1 : i - 1, i)) continue;
                 if (last == BVXI_NONE) first = i;
                 else w->after[last] = i;
                 last = i;
@@ -292,7 +303,7 @@ static bvx_status fill_region(cap_work *w)
 {
     for (uint32_t i = 0; i < w->count; i++) {
         /* points in line as given are in line here, which fixed point would not keep */
-        for (int k = 0; k < 2; k++) w->at[i][k] = w->plane->lines ? w->plane->q[w->corner[i]][k] : w->plane->uv[w->corner[i]][k];
+        for (int k = 0; k < 2; k++) w->at[i][k] = w->plane->lines || w->fixed ? w->plane->q[w->corner[i]][k] : w->plane->uv[w->corner[i]][k];
         w->at[i][2] = 0.0;
     }
     BVXI_TRY(bvxi_polygon_cut(&w->polygon, (const double (*)[3])w->at, w->count, w->cut));
@@ -335,6 +346,7 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     w.plane = plane;
     w.side = side;
     w.polygon.ctx = s->ctx;
+    w.fixed = has_moved_points(&w);
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * 4, "the holes of a cap", &owner);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.after);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.corner);

@@ -117,6 +117,7 @@ typedef struct bvxi_stack {
     bvx_context *ctx;
     const char *function;
     const bvx_sections *given;
+    const int8_t (*nudge)[2]; /* of each point given: steps by which it is moved in fixed point; or NULL. See mend.c */
     double axis[3][3];       /* u, v, w in the world */
     double low[2], high[2];  /* bounds of the contours */
     double origin[2];        /* grid point (0, 0) */
@@ -146,6 +147,10 @@ typedef struct bvxi_stack {
 
 bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
                            bvxi_stack *stack);
+/* The same in two steps: loops and grid; then, with stack->nudge set where points are moved apart, all that fixed point decides. */
+bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
+                            bvxi_stack *stack);
+bvx_status bvxi_stack_finish(bvxi_stack *stack);
 void bvxi_stack_close(bvxi_stack *stack);
 
 /* stack_grid.c: lay the grid over the bounds. */

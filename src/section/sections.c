@@ -8,6 +8,7 @@
  * the surface above a plane ends where the surface below it begins, whatever the cells on both sides are. Strips of cell sides between
  * the planes depend on what lies in the strip alone. Each cell's loops are then closed by construction, and triangles inside a cell
  * share no inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
+#include "section/mend.h"
 #include "section/nesting.h"
 
 #include "mesh/mesh.h"
@@ -42,6 +43,7 @@ static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_opt
     BVXI_TRY(check_range(ctx, "crossings", o->crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC));
     BVXI_TRY(check_range(ctx, "depth", o->depth, 0, BVXI_SECTION_DEEPEST));
     BVXI_TRY(check_range(ctx, "nesting", o->nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE));
+    BVXI_TRY(check_range(ctx, "mend", o->mend, 0, 1));
     BVXI_TRY(check_range(ctx, "position_type", o->position_type, BVX_F32, BVX_F64));
     if (o->grid[0] != 0 || o->grid[1] != 0) {
         BVXI_TRY(check_range(ctx, "grid[0]", o->grid[0], 2, 8192));
@@ -161,10 +163,43 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     return status;
 }
 
+/* Mended loops, on the grid that the given ones have. */
+static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections, const bvx_sections_options *options,
+                              bvxi_mended *mended, bvxi_stack *stack)
+{
+    bvx_sections_options o = *options;
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_mend(ctx, sections_name, sections, options, mended)));
+    if (mended->sections.loop_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing is left of the loops once they are mended", sections_name);
+    if (mended->spacing > 0.0) o.spacing = mended->spacing;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, &o, stack)));
+    stack->nudge = (const int8_t (*)[2])mended->nudge;
+    stack->report.mended_loops = mended->loops;
+    return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_stack_finish(stack));
+}
+
+/* What cannot be mended is refused by its own loops' numbers, as without. */
+static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections, const bvx_sections_options *options,
+                                bvxi_mended *mended, bvxi_stack *stack)
+{
+    memset(mended, 0, sizeof *mended);
+    memset(stack, 0, sizeof *stack);
+    stack->ctx = ctx;
+    if (options->mend) {
+        bvx_status const status = BVXI_SHARE(ctx, 0.0, 0.7, open_mended(ctx, sections, options, mended, stack));
+        if (status != BVX_ERR_FORMAT) return status;
+        bvxi_stack_close(stack);
+        return BVXI_SHARE(ctx, 0.7, 1.0, bvxi_stack_open(ctx, sections_name, sections, options, stack));
+    }
+    return bvxi_stack_open(ctx, sections_name, sections, options, stack);
+}
+
 static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
                                      const bvx_sections_options *options, bvx_mesh *mesh)
 {
     bvx_sections_options o;
+    bvxi_mended mended;
     bvxi_stack stack;
     bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -174,7 +209,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     BVXI_TRY(check_section_options(context, &o));
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
-    status = BVXI_SHARE(context, 0.0, 0.15, bvxi_stack_open(context, sections_name, sections, &o, &stack));
+    status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, &o, &mended, &stack));
     if (status == BVX_OK) {
         measure_prismoids(&stack);
         status = BVXI_SHARE(context, 0.15, 1.0, build_body(&stack, mesh));
@@ -184,6 +219,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
         *o.report = stack.report;
     }
     bvxi_stack_close(&stack);
+    bvxi_mended_close(context, &mended);
     return status;
 }
 

@@ -218,7 +218,8 @@ void bvxi_plane_snap(const bvxi_stack *s, bvxi_plane *p)
     for (uint32_t i = 0; i < p->point_count; i++)
         for (int k = 0; k < 2; k++) {
             int32_t const top = (s->size[k] << s->fine) - 1;
-            int32_t const q = 2 * (int32_t)floor((p->uv[i][k] - s->origin[k]) / s->step[k] * unit) + 1;
+            int32_t const steps = s->nudge == NULL ? 0 : s->nudge[p->given[i]][k];
+            int32_t const q = 2 * ((int32_t)floor((p->uv[i][k] - s->origin[k]) / s->step[k] * unit) + steps) + 1;
             p->q[i][k] = q < 1 ? 1 : q > top ? top : q;
         }
 }
@@ -310,8 +311,8 @@ static void link_loops(bvxi_plane *p)
     }
 }
 
-bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
-                           bvxi_stack *s)
+bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
+                            bvxi_stack *s)
 {
     memset(s, 0, sizeof *s);
     s->ctx = ctx;
@@ -324,10 +325,21 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
     BVXI_TRY(choose_label(s));
     BVXI_TRY(gather_planes(s));
     for (uint32_t i = 0; i < s->plane_count; i++) link_loops(&s->plane[i]);
-    BVXI_TRY(bvxi_stack_grid(s));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside", &s->all.inside));
+    return bvxi_stack_grid(s);
+}
+
+bvx_status bvxi_stack_finish(bvxi_stack *s)
+{
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside", &s->all.inside));
     for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
     return bvxi_planes_ready(s);
+}
+
+bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
+                           bvxi_stack *s)
+{
+    BVXI_TRY(bvxi_stack_begin(ctx, function, given, options, s));
+    return bvxi_stack_finish(s);
 }
 
 void bvxi_stack_close(bvxi_stack *s)

@@ -33,6 +33,7 @@ static void fuzz_check_body(bvx_context *ctx, const bvx_sections *s, int32_t cho
     o.depth = choice % 5;
     o.caps = choice % 2;
     o.layers = 1 + choice % 3;
+    o.mend = choice / 64 % 2;
     o.label = s->loops[0].label;
     status = bvx_build_sections(ctx, s, &o, &mesh);
     if (status == BVX_OK) {

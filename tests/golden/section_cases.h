@@ -97,6 +97,34 @@ static void wall_values(golden *g)
     golden_end(g);
 }
 
+/* A keyhole, a bow tie, loops that share a border and loops that cross, mended. */
+static void mended_values(golden *g)
+{
+    static const double keyhole[] = {0, 0, 4, 0, 4, 4, 0, 4, 0, 2, 1, 2, 1, 3, 3, 3, 3, 1, 1, 1, 1, 2, 0, 2};
+    static const double bow[] = {5, 0, 8, 3, 8, 0.5, 5, 4};
+    static const double side[] = {4, 1, 4.5, 1, 4.5, 3, 4, 3};
+    bvx_sections_options o;
+    bvx_mesh mesh = {0};
+
+    stack_clear(&golden_stack);
+    for (int k = 0; k < 3; k++) {
+        uint32_t const s = stack_section(&golden_stack, k);
+        stack_loop(&golden_stack, s);
+        for (size_t i = 0; i < sizeof keyhole / sizeof *keyhole; i += 2) stack_point(&golden_stack, keyhole[i], keyhole[i + 1]);
+        stack_loop(&golden_stack, s);
+        for (size_t i = 0; i < 8; i += 2) stack_point(&golden_stack, bow[i], bow[i + 1]);
+        stack_loop(&golden_stack, s);
+        for (size_t i = 0; i < 8; i += 2) stack_point(&golden_stack, side[i], side[i + 1]);
+        stack_round(&golden_stack, s, 1, 8 + 0.25 * k, 2, 1.5, 24, 0.1, 0.25, 0);
+        stack_round(&golden_stack, s, 3, 8, 2, 1.5, 28, 0.1, 0.5, 1);
+    }
+    bvx_sections_options_init(&o, sizeof o);
+    o.mend = 1;
+    golden_begin(g, "mended");
+    mesh_value(g, "exact", bvx_build_sections(g->context, &golden_stack.s, &o, &mesh), &mesh);
+    golden_end(g);
+}
+
 static void section_cases(golden *g)
 {
     static const char *const name[] = {"random_1", "random_2", "random_3", "random_4", "random_5", "random_6"};
@@ -117,6 +145,7 @@ static void section_cases(golden *g)
         golden_end(g);
     }
     wall_values(g);
+    mended_values(g);
     shape_torus(&golden_shape, 96, 40, 0.05, 7);
     shape_view(&golden_shape, &view);
     normal_values(g, "torus_normals", &view);

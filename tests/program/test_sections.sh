@@ -70,6 +70,12 @@ run sections wall.csv -o wall.ply --json --nesting whole
 if [ "$(field euler)" -lt 0 ]; then ok 'a leaning wall as a whole has windows'; else not_ok 'a leaning wall as a whole has windows' "$(field euler)"; fi
 sed 's/$//' wall.csv | awk -F, 'NR == 1 { print; next } { r = $3 == 1 ? 2.99 / 2.7 : 1; x = $4 - 0.8 * $1; printf "%s,%s,%s,%.9f,%.9f\n", $1, $2, $3, 0.8 * $1 + r * x, r * $5 }' >thin.csv
 gives 'a wall too thin for the cells' 0 'walls are too thin for the cells' sections thin.csv -o wall.ply --grid 8x8
+printf 'section,position,loop,x,y\n' >keyhole.csv
+for k in 0 1; do for p in 0,0 4,0 4,4 0,4 0,2 1,2 1,3 3,3 3,1 1,1 1,2 0,2; do echo "$k,$k,0,$p"; done; done >>keyhole.csv
+gives 'a keyhole is refused' 1 '; --mend splits loops there' sections keyhole.csv -o x.ply
+run sections keyhole.csv -o keyhole.ply --mend --json
+near 'volume of a mended keyhole' "$(field volume)" 12 1e-6
+is 'loops mended' "$(field mended_loops) $(field holes)" '2 2'
 gives 'paper' 0 'closed, manifold, oriented' sections prism.csv -o prism.stl --crossings paper --spacing 0.7
 gives 'classic' 0 'closed, manifold, oriented' sections prism.csv -o prism.obj --crossings classic --spacing 0.7
 gives 'no contour file' 2 'ends in no contour format' sections "$knot" -o x.ply

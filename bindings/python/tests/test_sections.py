@@ -63,6 +63,16 @@ def test_walls_keep_no_windows():
     assert levels.content_hash() == walls.surface(nesting="levels").content_hash()
 
 
+def test_loops_that_meet_are_mended():
+    keyhole = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 2), (1, 2), (1, 3), (3, 3), (3, 1), (1, 1), (1, 2), (0, 2)]
+    meeting = Sections([Loop([(x, y, z) for x, y in keyhole]) for z in (0, 1)])
+    with pytest.raises(bitvox.FormatError, match="crosses or touches itself"):
+        meeting.surface()
+    mended = meeting.surface(mend=True)
+    assert (mended.report.mended_loops, mended.report.holes) == (2, 2)
+    assert mended.check().volume == pytest.approx(12) and mended.check().euler == 0
+
+
 def test_bad_stacks_are_named():
     head = "section,position,loop,x,y\n"
 

@@ -198,6 +198,7 @@ def from_sections(
     layers: int = 1,
     caps: str = "flat",
     nesting: str = "levels",
+    mend: bool = False,
     crossings: str = "exact",
     subdivide: int | None = None,
     label: str | None = None,
@@ -220,6 +221,8 @@ def from_sections(
         caps: how the body ends: "flat" on the first and the last section, "taper" to a ridge half a spacing beyond, or "open".
         nesting: loops in loops between two sections: "levels" blends outlines and the holes in them each for themselves, so that walls
             have no windows; "whole" blends sections as they are.
+        mend: split loops where they touch or cross themselves or each other, in place of refusing them; inside stays what an odd
+            number of loops enclose.
         crossings: on the planes: "exact" (by the contours themselves, all of whose points become vertices), "paper" (by
             interpolated distances with the contours' points put in) or "classic" (marching cubes).
         subdivide: a cell that a contour crosses twice on a side is halved at most this often. Default 5.
@@ -255,6 +258,7 @@ def from_sections(
     options.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     options.nesting = choice("nesting", nesting, "BVX_NESTING_", NESTING)
+    options.mend = int(bool(mend))
     options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
     if subdivide is not None:
         options.depth = in_range("subdivide", subdivide, 0, 8)

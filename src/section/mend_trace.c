@@ -1,0 +1,281 @@
+/* mend_trace.c - loops along the edges that are left of loops that touched or crossed.
+ *
+ * Inside is what an odd number of loops enclose, so an edge that lies there twice divides nothing and goes:
+ * slits, spikes, borders in common. Of the others an even number ends at each node. They are joined there in
+ * pairs that lie beside each other, so that no path crosses another, and a path that comes back to a node is
+ * cut off there as a loop: no loop comes to a node twice. Loops that share a node still touch; there each
+ * one's point is moved in fixed point by some steps into the angle that no other loop uses. What is written
+ * to the mesh is the point itself; only the decisions about what lies where see that it was moved. */
+#include "section/mend.h"
+#include "section/slab.h"
+
+#include "mesh/radix.h"
+
+#include <math.h>
+
+enum { MEND_STEPS = 48 };
+
+/* A stop of a path: the node, and the ends of edges by which it came and went. */
+typedef struct mend_stop {
+    uint32_t node, in, out;
+} mend_stop;
+
+typedef struct mend_trace {
+    bvxi_mend_work *w;
+    bvxi_mended *mended;
+    uint32_t *edge;         /* kept ones; ends are numbered 2 * edge, 2 * edge + 1 */
+    uint32_t edge_count;
+    uint32_t *start;        /* of each node: its first end in turn; one more */
+    uint32_t *end;          /* ends of edges by node, counter-clockwise */
+    uint32_t *rank;         /* of each end: where it stands in its node's turn */
+    uint8_t *used;          /* edges */
+    uint32_t *place;        /* of each node: its stop on the path, or none */
+    mend_stop *path;        /* all stops of one path */
+    mend_stop *stop;        /* those of all loops, loop by loop */
+    uint32_t *loop;         /* where each loop's stops begin */
+    uint32_t stop_count, loop_count;
+} mend_trace;
+
+static uint32_t mend_end_node(const mend_trace *t, uint32_t end)
+{
+    return t->w->edge[t->edge[end >> 1]].node[end & 1];
+}
+
+/* ---- which edges are left ---- */
+
+static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
+{
+    const bvxi_mend_work *const w = t->w;
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; i < w->edge_count; i++) {
+        uint32_t const a = w->edge[i].node[0], b = w->edge[i].node[1];
+        if (!w->changed[w->edge[i].loop]) continue;
+        key[count] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+        order[count++] = i;
+    }
+    BVXI_TRY(bvxi_radix_sort(w->s->ctx, key, order, count));
+
+    for (uint32_t i = 0, n; i < count; i += n) {
+        for (n = 1; i + n < count && key[i + n] == key[i];) n++;
+        if ((n & 1) != 0) t->edge[t->edge_count++] = order[i];
+    }
+    return BVX_OK;
+}
+
+/* ---- ends in turn ---- */
+
+static void mend_direction(const mend_trace *t, uint32_t end, int64_t d[2])
+{
+    const int32_t *const a = t->w->node[mend_end_node(t, end)].q, *const b = t->w->node[mend_end_node(t, end ^ 1)].q;
+
+    for (int k = 0; k < 2; k++) d[k] = (int64_t)b[k] - a[k];
+}
+
+/* 1 when the first end comes before the second, counter-clockwise from the u axis; exact. */
+static int mend_turns_before(const mend_trace *t, uint32_t a, uint32_t b)
+{
+    int64_t d[2], e[2];
+    int low, other;
+
+    mend_direction(t, a, d);
+    mend_direction(t, b, e);
+    low = d[1] < 0 || (d[1] == 0 && d[0] < 0);
+    other = e[1] < 0 || (e[1] == 0 && e[0] < 0);
+    if (low != other) return low < other;
+    return d[0] * e[1] - d[1] * e[0] > 0;
+}
+
+static void mend_turn_ends(mend_trace *t)
+{
+    uint32_t const nodes = t->w->node_count, ends = 2 * t->edge_count;
+
+    memset(t->start, 0, ((size_t)nodes + 1) * 4);
+    for (uint32_t i = 0; i < ends; i++) t->start[mend_end_node(t, i) + 1]++;
+    for (uint32_t i = 0; i < nodes; i++) t->start[i + 1] += t->start[i];
+    for (uint32_t i = 0; i < nodes; i++) t->place[i] = t->start[i];
+
+    for (uint32_t i = 0; i < ends; i++) {
+        uint32_t const node = mend_end_node(t, i);
+        uint32_t j = t->place[node]++;
+        for (; j > t->start[node] && mend_turns_before(t, i, t->end[j - 1]); j--) t->end[j] = t->end[j - 1];
+        t->end[j] = i;
+    }
+    for (uint32_t n = 0; n < nodes; n++) {
+        for (uint32_t j = t->start[n]; j < t->start[n + 1]; j++) t->rank[t->end[j]] = j - t->start[n];
+        t->place[n] = BVXI_NONE;
+    }
+}
+
+/* ---- paths ---- */
+
+/* The end that is joined to this one: they lie beside each other. */
+static uint32_t mend_partner(const mend_trace *t, uint32_t end)
+{
+    return t->end[t->start[mend_end_node(t, end)] + (t->rank[end] ^ 1)];
+}
+
+/* Stops from one on are a loop that comes back to its node by an end. */
+static void mend_cut_loop(mend_trace *t, uint32_t from, uint32_t *count, uint32_t back)
+{
+    t->loop[t->loop_count++] = t->stop_count;
+    for (uint32_t i = from; i < *count; i++) {
+        mend_stop *const s = &t->stop[t->stop_count++];
+        *s = t->path[i];
+        if (i == from) s->in = back;
+        else t->place[s->node] = BVXI_NONE;
+    }
+    *count = from + 1;
+}
+
+static void mend_follow(mend_trace *t, uint32_t edge)
+{
+    uint32_t count = 0, out = 2 * edge;
+
+    t->path[count].node = mend_end_node(t, out);
+    t->path[count].in = BVXI_NONE;
+    t->place[t->path[count].node] = count;
+    count++;
+    while (!t->used[out >> 1]) {
+        uint32_t const in = out ^ 1, node = mend_end_node(t, in);
+        t->used[out >> 1] = 1;
+        t->path[count - 1].out = out;
+        if (t->place[node] != BVXI_NONE) {
+            mend_cut_loop(t, t->place[node], &count, in);
+        } else {
+            t->place[node] = count;
+            t->path[count].node = node;
+            t->path[count].in = in;
+            count++;
+        }
+        out = mend_partner(t, in);
+    }
+    for (uint32_t i = 0; i < count; i++) t->place[t->path[i].node] = BVXI_NONE;
+}
+
+/* ---- apart ---- */
+
+/* The middle of the angle from one end counter-clockwise to another; returns the cosine of half of it. */
+static double mend_middle(const mend_trace *t, uint32_t from, uint32_t to, double middle[2])
+{
+    double u[2], v[2], length;
+    int64_t d[2], e[2];
+
+    mend_direction(t, from, d);
+    mend_direction(t, to, e);
+    length = sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1]);
+    for (int k = 0; k < 2; k++) u[k] = (double)d[k] / length;
+    length = sqrt((double)e[0] * (double)e[0] + (double)e[1] * (double)e[1]);
+    for (int k = 0; k < 2; k++) v[k] = (double)e[k] / length;
+
+    middle[0] = v[1] - u[1];
+    middle[1] = u[0] - v[0];
+    length = sqrt(middle[0] * middle[0] + middle[1] * middle[1]);
+    for (int k = 0; k < 2; k++) middle[k] = length > 0.0 ? middle[k] / length : 0.0;
+    return middle[0] * u[0] + middle[1] * u[1];
+}
+
+/* Where a stop may be moved: into the angle between its ends that no other end lies in. Returns 0 where both have some. */
+static int mend_free_angle(const mend_trace *t, const mend_stop *s, double middle[2], double *narrow)
+{
+    uint32_t const all = t->start[s->node + 1] - t->start[s->node], i = t->rank[s->out], j = t->rank[s->in];
+
+    if ((i + 1) % all == j) *narrow = mend_middle(t, s->out, s->in, middle);
+    else if ((j + 1) % all == i) *narrow = mend_middle(t, s->in, s->out, middle);
+    else return 0;
+    return 1;
+}
+
+/* Of the stops at one node the one in the narrowest angle stays, unless one is there that cannot be moved. narrowest, fixed: by node. */
+static void mend_choose_stay(const mend_trace *t, double *narrowest, uint32_t *stays)
+{
+    for (uint32_t i = 0; i < t->w->node_count; i++) {
+        narrowest[i] = -2.0;
+        stays[i] = BVXI_NONE;
+    }
+    for (uint32_t i = 0; i < t->stop_count; i++) {
+        const mend_stop *const s = &t->stop[i];
+        double middle[2], narrow = 2.0;
+        (void)mend_free_angle(t, s, middle, &narrow);
+        if (narrow <= narrowest[s->node]) continue;
+        narrowest[s->node] = narrow;
+        stays[s->node] = i;
+    }
+}
+
+static bvx_status mend_give_loops(mend_trace *t, double *narrowest, uint32_t *stays)
+{
+    const bvxi_mend_work *const w = t->w;
+    bvx_context *const ctx = w->s->ctx;
+
+    mend_choose_stay(t, narrowest, stays);
+    for (uint32_t l = 0; l < t->loop_count; l++) {
+        uint32_t const end = l + 1 < t->loop_count ? t->loop[l + 1] : t->stop_count;
+        BVXI_TRY(bvxi_mended_add_loop(ctx, t->mended, w->plane->section, w->s->options.label));
+        for (uint32_t i = t->loop[l]; i < end; i++) {
+            const mend_stop *const s = &t->stop[i];
+            double middle[2] = {0.0, 0.0}, narrow;
+            int const moves = t->start[s->node + 1] - t->start[s->node] > 2 && stays[s->node] != i && mend_free_angle(t, s, middle, &narrow);
+            BVXI_TRY(bvxi_mended_add_point(ctx, t->mended, w->node[s->node].at,
+                                           moves ? (int32_t)floor(MEND_STEPS * middle[0] + 0.5) : 0,
+                                           moves ? (int32_t)floor(MEND_STEPS * middle[1] + 0.5) : 0));
+        }
+    }
+    return BVX_OK;
+}
+
+/* ---- memory ---- */
+
+static bvx_status mend_trace_in(mend_trace *t, uint64_t *key, uint32_t *order, double *narrowest, uint32_t *stays)
+{
+    BVXI_TRY(mend_keep_edges(t, key, order));
+    mend_turn_ends(t);
+    memset(t->used, 0, t->edge_count);
+    for (uint32_t i = 0; i < t->edge_count; i++)
+        if (!t->used[i]) mend_follow(t, i);
+    return mend_give_loops(t, narrowest, stays);
+}
+
+static uint32_t *mend_part(unsigned char **at, uint64_t bytes)
+{
+    uint32_t *const part = (uint32_t *)(void *)*at;
+
+    *at += bytes;
+    return part;
+}
+
+/* One block for all arrays, wide items first. */
+bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
+{
+    uint64_t const edges = w->edge_count, nodes = w->node_count, stops = sizeof(mend_stop);
+    uint64_t const size = edges * (8 + 4 + 4 + 8 + 8 + 4 + 2 * stops + 1) + (nodes + 1) * (8 + 4 + 4 + 4 + stops);
+    unsigned char *block, *at;
+    double *narrowest;
+    uint64_t *key;
+    uint32_t *order, *stays;
+    mend_trace t;
+    bvx_status status;
+
+    memset(&t, 0, sizeof t);
+    t.w = w;
+    t.mended = mended;
+    BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, size, "the paths of loops to mend", &block));
+    at = block;
+    key = (uint64_t *)(void *)mend_part(&at, edges * 8);
+    narrowest = (double *)(void *)mend_part(&at, (nodes + 1) * 8);
+    order = mend_part(&at, edges * 4);
+    t.edge = mend_part(&at, edges * 4);
+    t.end = mend_part(&at, edges * 8);
+    t.rank = mend_part(&at, edges * 8);
+    t.loop = mend_part(&at, edges * 4);
+    t.start = mend_part(&at, (nodes + 1) * 4);
+    t.place = mend_part(&at, (nodes + 1) * 4);
+    stays = mend_part(&at, (nodes + 1) * 4);
+    t.path = (mend_stop *)(void *)mend_part(&at, (nodes + 1 + edges) * stops);
+    t.stop = (mend_stop *)(void *)mend_part(&at, edges * stops);
+    t.used = (uint8_t *)at;
+
+    status = mend_trace_in(&t, key, order, narrowest, stays);
+    bvxi_free(w->s->ctx, block, size);
+    return status;
+}
