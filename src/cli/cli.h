@@ -409,7 +409,7 @@ void cli_tell_volume(cli_run *run, const cli_volume *volume, const bvx_volume_re
 /* The side-car of a file without a lattice, where there is one; grid is all of the file or a part of it. */
 int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed);
 
-/* ---- parts.c: --keep-largest and --least-part of voxels ---- */
+/* ---- kept_parts.c: --keep-largest and --least-part of voxels ---- */
 
 /* 1 when parts may be dropped. */
 int cli_keeps_parts(const cli_run *run);

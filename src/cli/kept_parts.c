@@ -1,4 +1,4 @@
-/* parts.c - --keep-largest and --least-part: which parts of voxels stay, wherever a grid is made or read. */
+/* kept_parts.c - --keep-largest and --least-part: which parts of voxels stay, wherever a grid is made or read. */
 #include "cli/cli.h"
 
 #include <inttypes.h>
