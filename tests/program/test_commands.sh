@@ -6,32 +6,12 @@
 set -u
 . tests/tools/program_checks.sh
 
-: >before
-: >after
-
 warns() { # WORDS, ARGUMENTS...: status 0 and one warning with these words
     words=$1
     shift
     run "$@"
     if [ $status = 0 ] && [ "$(wc -l <err)" = 1 ] && grep '^bitvox: warning: ' err | grep -q -F -e "$words"; then ok "warned: $*"
     else not_ok "warned: $*" "status $status, wanted a warning with '$words'"; fi
-}
-
-# What must hold after a refusal: the status, one line on standard error with these words, nothing else anywhere.
-refuses() { # STATUS, WORDS, ARGUMENTS...
-    want=$1 words=$2
-    shift 2
-    name="refused ($want): $(printf '%s ' "$@" | sed "s|$root/||g" | tr -d '\n' | cut -c 1-90)"
-    ls -A >before
-    run "$@"
-    ls -A >after
-    if [ $status != "$want" ]; then not_ok "$name" "status $status"
-    elif [ "$(wc -l <err)" -ne 1 ]; then not_ok "$name" "$(wc -l <err) lines on standard error"
-    elif ! grep -q '^bitvox: ' err; then not_ok "$name" "no 'bitvox: ' before the message"
-    elif ! grep -q -F -e "$words" err; then not_ok "$name" "no '$words' in the message"
-    elif [ -s out ]; then not_ok "$name" "something on standard output"
-    elif ! cmp -s before after; then not_ok "$name" "the folder changed: $(diff before after | tr '\n' ' ')"
-    else ok "$name"; fi
 }
 
 says() { grep -q -E -e "$1" out; } # PATTERN

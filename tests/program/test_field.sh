@@ -13,22 +13,6 @@ warns() { # WORDS, ARGUMENTS...: status 0 and a warning with these words
     if [ $status = 0 ] && grep -q "^bitvox: warning: .*$words" err; then ok "warned: $words"; else not_ok "warned: $words" "status $status"; fi
 }
 
-refuses() { # STATUS, WORDS, ARGUMENTS...: one line with these words, and no file more
-    want=$1 words=$2
-    shift 2
-    name="refused ($want): $(printf '%s ' "$@" | sed "s|$root/||g" | cut -c 1-90)"
-    ls -A >before
-    run "$@"
-    ls -A >after
-    if [ $status != "$want" ]; then not_ok "$name" "status $status"
-    elif [ "$(wc -l <err)" -ne 1 ]; then not_ok "$name" "$(wc -l <err) lines on standard error"
-    elif ! grep -q -F -e "$words" err; then not_ok "$name" "no '$words' in the message"
-    elif ! cmp -s before after; then not_ok "$name" "the folder changed"
-    else ok "$name"; fi
-}
-: >before
-: >after
-
 says() { grep -q -E -e "$1" out; } # PATTERN
 
 cat >box.obj <<'OBJ'

@@ -5,24 +5,6 @@
 set -u
 . tests/tools/program_checks.sh
 
-: >before
-: >after
-
-# What must hold after a refusal: the status, one line on standard error with these words, nothing else anywhere.
-refuses() { # STATUS, WORDS, ARGUMENTS...
-    want=$1 words=$2
-    shift 2
-    name="refused ($want): $(printf '%s ' "$@" | sed "s|$root/||g" | cut -c 1-90)"
-    ls -A >before
-    run "$@"
-    ls -A >after
-    if [ $status != "$want" ]; then not_ok "$name" "status $status"
-    elif [ "$(wc -l <err)" -ne 1 ] || ! grep -q '^bitvox: ' err; then not_ok "$name" 'not one message'
-    elif ! grep -q -F -e "$words" err; then not_ok "$name" "no '$words' in the message"
-    elif [ -s out ] || ! cmp -s before after; then not_ok "$name" 'something was written'
-    else ok "$name"; fi
-}
-
 warns() { # WORDS, ARGUMENTS...: status 0 and a warning with these words
     words=$1
     shift

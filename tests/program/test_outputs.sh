@@ -5,23 +5,6 @@
 set -u
 . tests/tools/program_checks.sh
 
-: >before
-: >after
-refuses() { # STATUS, WORDS, ARGUMENTS...: one line with these words, nothing on standard output and nothing written
-    want=$1 words=$2
-    shift 2
-    name="refused ($want): $(printf '%s ' "$@" | cut -c 1-90)"
-    ls -A >before
-    run "$@"
-    ls -A >after
-    if [ $status != "$want" ]; then not_ok "$name" "status $status"
-    elif [ "$(wc -l <err)" -ne 1 ]; then not_ok "$name" "$(wc -l <err) lines on standard error"
-    elif ! grep -q -F -e "$words" err; then not_ok "$name" "no '$words' in the message"
-    elif [ -s out ]; then not_ok "$name" "something on standard output"
-    elif ! cmp -s before after; then not_ok "$name" "the folder changed: $(diff before after | tr '\n' ' ')"
-    else ok "$name"; fi
-}
-
 # ---- -o -: standard output ----
 
 contours=$root/fixtures/contours.csv

@@ -5,26 +5,6 @@
 set -u
 . tests/tools/program_checks.sh
 
-: >before
-: >after
-
-# What must hold after a refusal: the status, one line on standard error with these words, nothing else anywhere.
-refuses() { # STATUS, WORDS, ARGUMENTS...
-    want=$1 words=$2
-    shift 2
-    name="refused ($want): $(printf '%s ' "$@" | sed "s|$root/||g" | tr -d '\n' | cut -c 1-90)"
-    ls -A >before
-    run "$@"
-    ls -A >after
-    if [ $status != "$want" ]; then not_ok "$name" "status $status"
-    elif [ "$(wc -l <err)" -ne 1 ]; then not_ok "$name" "$(wc -l <err) lines on standard error"
-    elif ! grep -q '^bitvox: ' err; then not_ok "$name" "no 'bitvox: ' before the message"
-    elif ! grep -q -F -e "$words" err; then not_ok "$name" "no '$words' in the message"
-    elif [ -s out ]; then not_ok "$name" "something on standard output"
-    elif ! cmp -s before after; then not_ok "$name" "the folder changed: $(diff before after | tr '\n' ' ')"
-    else ok "$name"; fi
-}
-
 # The value of a key in the JSON report, by python3.
 json() { # FILE, EXPRESSION over r
     python3 -c 'import json, sys; r = json.load(open(sys.argv[1])); print(eval(sys.argv[2]))' "$1" "$2"

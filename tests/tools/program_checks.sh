@@ -15,6 +15,8 @@ cd "$work" || exit 1
 passed=0 failed=0 skipped=0
 : >out
 : >err
+: >before
+: >after
 
 ok() { passed=$((passed + 1)); echo "ok $1"; }
 not_ok() { # NAME, WHY
@@ -59,4 +61,21 @@ gives() { # NAME, STATUS, WORDS (in out or err), ARGUMENTS...
     if [ "$status" != "$gives_status" ]; then not_ok "$gives_name" "exit status $status, not $gives_status"
     elif ! cat out err | grep -q -e "$gives_words"; then not_ok "$gives_name" "nothing says '$gives_words'"
     else ok "$gives_name"; fi
+}
+
+# What must hold after a refusal: the status, one line on standard error with these words, nothing else anywhere.
+refuses() { # STATUS, WORDS, ARGUMENTS...
+    want=$1 words=$2
+    shift 2
+    name="refused ($want): $(printf '%s ' "$@" | sed "s|$root/||g" | tr -d '\n' | cut -c 1-90)"
+    ls -A >before
+    run "$@"
+    ls -A >after
+    if [ $status != "$want" ]; then not_ok "$name" "status $status"
+    elif [ "$(wc -l <err)" -ne 1 ]; then not_ok "$name" "$(wc -l <err) lines on standard error"
+    elif ! grep -q '^bitvox: ' err; then not_ok "$name" "no 'bitvox: ' before the message"
+    elif ! grep -q -F -e "$words" err; then not_ok "$name" "no '$words' in the message"
+    elif [ -s out ]; then not_ok "$name" "something on standard output"
+    elif ! cmp -s before after; then not_ok "$name" "the folder changed: $(diff before after | tr '\n' ' ')"
+    else ok "$name"; fi
 }

@@ -1,53 +1,11 @@
 /* test_section_mend.c - loops that touch or cross are mended: what comes out of known ones, areas of random ones against a count of lines,
  * stacks that need nothing are as ever, and what was refused is refused without. */
-#include "tools/section_maker.h"
-#include "unity.h"
+#define SECTION_MEND 1
+#include "section_support.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-static bvx_context *ctx;
-static section_maker stack;
-static bvx_sections_options o;
-static bvx_sections_report report;
-static bvx_mesh mesh;
-static bvx_certificate certificate;
-
-void setUp(void)
-{
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
-    bvx_sections_options_init(&o, sizeof o);
-    o.report = &report;
-    o.mend = 1;
-    stack_clear(&stack);
-}
-
-void tearDown(void)
-{
-    bvx_mesh_free(ctx, &mesh);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
-}
 
 /* ---- help ---- */
-
-static bvx_status build(void)
-{
-    bvx_mesh_free(ctx, &mesh);
-    return bvx_build_sections(ctx, &stack.s, &o, &mesh);
-}
-
-static void build_good(void)
-{
-    bvx_mesh_view view;
-
-    if (build() != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
-    bvx_mesh_view_of(&mesh, &view);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &certificate));
-    TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
-    TEST_ASSERT_EQUAL_UINT64(0, certificate.duplicates + certificate.collapsed + certificate.unused_vertices);
-}
 
 static int has_vertex(double x, double y, double z)
 {

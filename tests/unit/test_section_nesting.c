@@ -1,48 +1,14 @@
 /* test_section_nesting.c - loops that lie in others are blended level by level: walls that lean, branch and lie in
  * each other keep no windows and all of their volume, and nothing crosses; holes that end and stacks without holes
  * are as ever; levels that would cross are blended as a whole. */
-#include "tools/section_maker.h"
-#include "unity.h"
-
-#include <stdlib.h>
-
-static bvx_context *ctx;
-static section_maker stack;
-static bvx_sections_options o;
-static bvx_sections_report report;
-static bvx_mesh mesh;
-static bvx_certificate certificate;
-
-void setUp(void)
-{
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
-    bvx_sections_options_init(&o, sizeof o);
-    o.report = &report;
-    stack_clear(&stack);
-}
-
-void tearDown(void)
-{
-    bvx_mesh_free(ctx, &mesh);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
-}
+#include "section_support.h"
 
 /* ---- help ---- */
 
-static void build_good(int32_t nesting)
+static void build_nested(int32_t nesting)
 {
-    bvx_mesh_view view;
-
     o.nesting = nesting;
-    bvx_mesh_free(ctx, &mesh);
-    if (bvx_build_sections(ctx, &stack.s, &o, &mesh) != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
-    bvx_mesh_view_of(&mesh, &view);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &certificate));
-    TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
-    TEST_ASSERT_EQUAL_UINT64(0, certificate.duplicates + certificate.collapsed + certificate.unused_vertices);
-    TEST_ASSERT_TRUE(certificate.volume > 0.0);
+    build_good();
 }
 
 static uint64_t crossings(void)
@@ -63,29 +29,10 @@ static uint64_t hash(void)
     return mark;
 }
 
-static int compare_points(const void *a, const void *b)
-{
-    return memcmp(a, b, 24);
-}
-
-static void assert_points_kept(void)
-{
-    double *const sorted = malloc((size_t)mesh.vertex_count * 24);
-    uint64_t lost = 0;
-
-    TEST_ASSERT_NOT_NULL(sorted);
-    memcpy(sorted, mesh.positions, (size_t)mesh.vertex_count * 24);
-    qsort(sorted, (size_t)mesh.vertex_count, 24, compare_points);
-    for (uint64_t i = 0; i < stack.s.point_count; i++)
-        lost += bsearch(stack.point + 3 * i, sorted, (size_t)mesh.vertex_count, 24, compare_points) == NULL;
-    free(sorted);
-    TEST_ASSERT_EQUAL_UINT64(0, lost);
-}
-
 /* A wall without windows: what it is, all of its volume, and nothing that crosses. */
 static void assert_sound(int64_t euler, uint64_t components, uint64_t nested, double share)
 {
-    build_good(BVX_NESTING_LEVELS);
+    build_nested(BVX_NESTING_LEVELS);
     TEST_ASSERT_EQUAL_INT64(euler, certificate.euler);
     TEST_ASSERT_EQUAL_UINT64(components, certificate.components);
     TEST_ASSERT_EQUAL_UINT64(nested, report.nested_slabs);
@@ -123,7 +70,7 @@ static void test_a_tube_that_leans(void)
 
     for (int i = 0; i < 3; i++) {
         make_tube(6, 2, wall[i], 1.5);
-        build_good(BVX_NESTING_WHOLE);
+        build_nested(BVX_NESTING_WHOLE);
         TEST_ASSERT_TRUE(certificate.euler < 0 && certificate.volume < 0.7 * report.prismoid_volume); /* its windows */
         TEST_ASSERT_EQUAL_UINT64(0, report.nested_slabs + report.joined_slabs);
         assert_sound(0, 1, 5, 0.01);
@@ -146,7 +93,7 @@ static void test_a_box_with_a_thin_wall(void)
 static void test_walls_in_each_other(void)
 {
     make_tube(5, 4, 0.3, 0.8);
-    build_good(BVX_NESTING_WHOLE);
+    build_nested(BVX_NESTING_WHOLE);
     TEST_ASSERT_TRUE(certificate.euler < 0);
     assert_sound(0, 2, 4, 0.01);
 }
@@ -176,7 +123,7 @@ static void test_ends_and_layers(void)
         for (int32_t layers = 1; layers < 4; layers += 2) {
             o.caps = caps;
             o.layers = layers;
-            build_good(BVX_NESTING_LEVELS);
+            build_nested(BVX_NESTING_LEVELS);
             TEST_ASSERT_EQUAL_UINT64(3, report.nested_slabs);
             TEST_ASSERT_EQUAL_UINT64(0, crossings());
             TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
@@ -191,11 +138,11 @@ static void assert_same_as_whole(uint64_t joined)
 {
     uint64_t levels;
 
-    build_good(BVX_NESTING_LEVELS);
+    build_nested(BVX_NESTING_LEVELS);
     levels = hash();
     TEST_ASSERT_EQUAL_UINT64(0, report.nested_slabs);
     TEST_ASSERT_EQUAL_UINT64(joined, report.joined_slabs);
-    build_good(BVX_NESTING_WHOLE);
+    build_nested(BVX_NESTING_WHOLE);
     TEST_ASSERT_EQUAL_HEX64(levels, hash());
 }
 
@@ -296,7 +243,7 @@ static void test_only_slabs_whose_levels_cross_are_blended_whole(void)
     stack_round(&stack, s, 1, 0.3, 4, 4, 64, 0, 0, 0);
     stack_round(&stack, s, 1, 0.3, 3.99, 3.99, 64, 0, 0, 0);
     o.grid[0] = o.grid[1] = 9;
-    build_good(BVX_NESTING_LEVELS);
+    build_nested(BVX_NESTING_LEVELS);
     TEST_ASSERT_EQUAL_UINT64(3, report.nested_slabs);
     TEST_ASSERT_EQUAL_UINT64(1, report.joined_slabs);
     assert_points_kept();
@@ -337,7 +284,7 @@ static void test_random_walls(void)
         o.nesting = BVX_NESTING_LEVELS;
         bvx_mesh_free(ctx, &mesh);
         if (bvx_build_sections(ctx, &stack.s, &o, &mesh) == BVX_ERR_FORMAT) continue; /* loops that cross */
-        build_good(BVX_NESTING_LEVELS);
+        build_nested(BVX_NESTING_LEVELS);
         assert_points_kept();
         nested += report.nested_slabs;
         joined += report.joined_slabs;
@@ -354,7 +301,7 @@ static void test_threads_change_nothing(void)
     uint64_t one;
 
     make_tube(40, 4, 0.2, 0.3);
-    build_good(BVX_NESTING_LEVELS);
+    build_nested(BVX_NESTING_LEVELS);
     one = hash();
     bvx_mesh_free(ctx, &mesh);
     for (int32_t threads = 1; threads < 6; threads += 2) {
@@ -362,7 +309,7 @@ static void test_threads_change_nothing(void)
         bvx_context_options_init(&c, sizeof c);
         c.threads = threads;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &ctx));
-        build_good(BVX_NESTING_LEVELS);
+        build_nested(BVX_NESTING_LEVELS);
         TEST_ASSERT_EQUAL_HEX64(one, hash());
         bvx_mesh_free(ctx, &mesh);
         bvx_context_destroy(ctx);

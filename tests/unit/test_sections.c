@@ -1,85 +1,18 @@
 /* test_sections.c - bodies from section contours: certificates of thousands of random stacks, contour points in the mesh, analytic bodies,
  * the ways of crossing, layers and ends, labels, refusals, and one golden hash. */
-#include "tools/section_maker.h"
-#include "unity.h"
+#include "section_support.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-static bvx_context *ctx;
-static section_maker stack;
-static bvx_sections_options o;
-static bvx_sections_report report;
-static bvx_mesh mesh;
-static bvx_certificate certificate;
 
 static const double pi = 3.14159265358979323846;
 
-void setUp(void)
-{
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
-    bvx_sections_options_init(&o, sizeof o);
-    o.report = &report;
-    stack_clear(&stack);
-}
-
-void tearDown(void)
-{
-    bvx_mesh_free(ctx, &mesh);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
-}
-
 /* ---- help ---- */
-
-static bvx_status build(void)
-{
-    bvx_mesh_free(ctx, &mesh);
-    return bvx_build_sections(ctx, &stack.s, &o, &mesh);
-}
-
-static void certify(int weld)
-{
-    bvx_mesh_view view;
-    bvx_mesh_view_of(&mesh, &view);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, weld, &certificate));
-}
-
-static void build_good(void)
-{
-    bvx_status const status = build();
-    if (status != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
-    certify(0);
-    TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
-    TEST_ASSERT_EQUAL_UINT64(0, certificate.duplicates + certificate.collapsed + certificate.unused_vertices);
-    TEST_ASSERT_TRUE(certificate.volume > 0.0);
-}
 
 static void refuse(bvx_status status, const char *words)
 {
     TEST_ASSERT_EQUAL_INT32(status, build());
     if (strstr(bvx_last_message(ctx), words) == NULL) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
     TEST_ASSERT_NULL(mesh.positions);
-}
-
-static int compare_points(const void *a, const void *b)
-{
-    return memcmp(a, b, 24);
-}
-
-/* All contour points, bit by bit, among the vertices. */
-static void assert_points_kept(void)
-{
-    double *const sorted = malloc((size_t)mesh.vertex_count * 24);
-    uint64_t lost = 0;
-    TEST_ASSERT_NOT_NULL(sorted);
-    memcpy(sorted, mesh.positions, (size_t)mesh.vertex_count * 24);
-    qsort(sorted, (size_t)mesh.vertex_count, 24, compare_points);
-    for (uint64_t i = 0; i < stack.s.point_count; i++)
-        lost += bsearch(stack.point + 3 * i, sorted, (size_t)mesh.vertex_count, 24, compare_points) == NULL;
-    free(sorted);
-    TEST_ASSERT_EQUAL_UINT64(0, lost);
 }
 
 /* ---- random stacks ---- */
