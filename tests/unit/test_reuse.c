@@ -51,9 +51,15 @@ ROW(create, bvx_grid_create(c, &m->lattice, NULL, &r->grid))
 ROW(solid, bvx_voxelize_solid(c, &m->view, &m->lattice, NULL, &r->grid))
 ROW(points, bvx_voxelize_points(c, &m->view, &m->lattice, NULL, &r->grid))
 ROW(combine, bvx_grid_union(c, &m->solid, &m->field.band, &r->grid))
+ROW(intersect, bvx_grid_intersection(c, &m->solid, &m->field.band, &r->grid))
+ROW(subtract, bvx_grid_subtract(c, &m->solid, &m->field.band, &r->grid))
+ROW(differ, bvx_grid_xor(c, &m->solid, &m->field.band, &r->grid))
 ROW(complement, bvx_grid_complement(c, &m->solid, &r->grid))
 ROW(resample, bvx_grid_resample(c, &m->solid, &m->lattice, NULL, &r->grid))
 ROW(dilate, bvx_grid_dilate(c, &m->solid, NULL, &r->grid))
+ROW(erode, bvx_grid_erode(c, &m->solid, NULL, &r->grid))
+ROW(open_grid, bvx_grid_open(c, &m->solid, NULL, &r->grid))
+ROW(close_grid, bvx_grid_close(c, &m->solid, NULL, &r->grid))
 ROW(keep, bvx_grid_keep(c, &m->solid, NULL, &r->grid))
 ROW(cavities, bvx_grid_fill_cavities(c, &m->solid, 6, 0, &r->grid, NULL))
 ROW(threshold, bvx_threshold(c, &m->volume, 0, 1e9, NULL, &r->grid))
@@ -75,6 +81,7 @@ ROW(measure, bvx_measure_field(c, &m->view, &m->lattice, NULL, &r->field))
 ROW(read_octree, bvx_read_octree(c, m->octree.bytes, m->octree.size, &r->tree))
 ROW(read_csv, bvx_read_sections(c, m->csv.bytes, m->csv.size, BVX_FORMAT_CSV, NULL, &r->sections))
 ROW(write_mesh, bvx_write_mesh(c, &m->mesh, BVX_FORMAT_OBJ, &r->file))
+ROW(write_mesh_with, bvx_write_mesh_with(c, &m->mesh, NULL, BVX_FORMAT_PLY, &r->file))
 ROW(write_levels, bvx_write_levels(c, &m->mesh, 1, BVX_FORMAT_GLB, &r->file))
 ROW(write_binvox, bvx_write_grid(c, &m->solid, BVX_FORMAT_BINVOX, &r->file))
 ROW(write_octree, bvx_write_octree(c, m->tree, 0, BVX_FORMAT_BVX, &r->file))
@@ -116,6 +123,20 @@ static bvx_status crop(bvx_context *c, const model *m, results *r)
     bvx_window const w = {{0, 0, 0}, {m->size, m->size - 1, m->size - 1}};
 
     return bvx_grid_crop(c, &m->solid, &w, &r->grid);
+}
+
+static bvx_status read_finite(bvx_context *c, const model *m, results *r)
+{
+    uint64_t dropped;
+
+    return bvx_read_mesh_finite(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &dropped, &r->mesh[0]);
+}
+
+static bvx_status pad(bvx_context *c, const model *m, results *r)
+{
+    static const int32_t low[3] = {1, 0, 2}, high[3] = {0, 3, 1};
+
+    return bvx_grid_pad(c, &m->solid, low, high, &r->grid);
 }
 
 static bvx_status permute(bvx_context *c, const model *m, results *r)
@@ -218,12 +239,23 @@ static bvx_status render_slices(bvx_context *c, const model *m, results *r)
     return bvx_render_slices(c, &m->solid, 2, 2, &o, &r->image);
 }
 
+static bvx_status render_difference(bvx_context *c, const model *m, results *r)
+{
+    bvx_render_options o;
+
+    picture_options(m, &o);
+    return bvx_render_difference(c, &m->solid, &m->field.band, &o, &r->image);
+}
+
 static const struct row {
     const char *name;
     bvx_status (*run)(bvx_context *c, const model *m, results *r);
 } rows[] = {
     {"bvx_grid_create", create}, {"bvx_voxelize_solid", solid}, {"bvx_voxelize_surface", touch}, {"bvx_voxelize_points", points},
     {"bvx_grid_union", combine}, {"bvx_grid_complement", complement}, {"bvx_grid_resample", resample}, {"bvx_grid_downsample", downsample},
+    {"bvx_grid_intersection", intersect}, {"bvx_grid_subtract", subtract}, {"bvx_grid_xor", differ}, {"bvx_grid_pad", pad},
+    {"bvx_grid_erode", erode}, {"bvx_grid_open", open_grid}, {"bvx_grid_close", close_grid}, {"bvx_read_mesh_finite", read_finite},
+    {"bvx_write_mesh_with", write_mesh_with}, {"bvx_render_difference", render_difference},
     {"bvx_grid_crop", crop}, {"bvx_grid_permute", permute}, {"bvx_grid_fill", fill}, {"bvx_grid_hollow", hollow},
     {"bvx_grid_dilate", dilate}, {"bvx_grid_keep", keep}, {"bvx_grid_fill_cavities", cavities}, {"bvx_threshold", threshold},
     {"bvx_octree_expand", expand}, {"bvx_read_grid, .npy", read_npy}, {"bvx_read_grid, .bvx", read_bvx}, {"bvx_compare_fills", compare_fills},
