@@ -352,7 +352,7 @@ here)
     add_script checks "$(log_of checks)" $?
     ;;
 other)
-    # The rows of other machines and compilers run beside the sanitizers; their lines come when they have ended.
+    # Emulated machines run beside the sanitizers and the other compilers; their lines come when they have ended.
     machines=$(log_of machines)
     sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
     sh tests/tools/run_tests.sh beside >"$machines" 2>&1 </dev/null &
@@ -363,6 +363,8 @@ other)
     run_fault san
     run_fuzz san ''
     check 'projects that use CMake' sh tests/tools/packaging.sh quick
+    unset BVX_QUICK
+    tests_of_other_compilers
     wait $beside
     add_script "other machines" "$machines" $?
     ;;
@@ -375,8 +377,6 @@ machines | beside)
         tests_of_other_machines whole
     else
         tests_of_other_machines brief
-        unset BVX_QUICK
-        tests_of_other_compilers
     fi
     ;;
 san)
