@@ -183,6 +183,16 @@ static void test_read_finite_of_text(void)
 }
 
 /* Binary files: the same triangles, their first one again with NaN in place of its first coordinate. */
+/* Four bytes of a value, the lowest first, as both files have them. */
+static void put_little(void *to, const void *value)
+{
+    unsigned char *const bytes = to;
+    uint32_t word;
+
+    memcpy(&word, value, 4);
+    for (int i = 0; i < 4; i++) bytes[i] = (unsigned char)(word >> 8 * i);
+}
+
 static void test_read_finite_of_binary(void)
 {
     static const float corner[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -192,20 +202,18 @@ static void test_read_finite_of_binary(void)
     float const bad = NAN;
     stl[80] = 5;
     for (int t = 0; t < 5; t++)
-        for (int k = 0; k < 3; k++) memcpy(stl + 84 + t * 50 + 12 + k * 12, corner[four[t % 4 * 3 + k]], 12);
-    memcpy(stl + 84 + 4 * 50 + 12, &bad, 4);
+        for (int k = 0; k < 9; k++) put_little(stl + 84 + t * 50 + 12 + k * 4, &corner[four[t % 4 * 3 + k / 3]][k % 3]);
+    put_little(stl + 84 + 4 * 50 + 12, &bad);
     check_read(stl, sizeof stl, BVX_FORMAT_STL, 1, "triangle 4, corner 0");
 
     n = (size_t)snprintf(ply, sizeof ply, "ply\nformat binary_little_endian 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
                          "property float z\nelement face 5\nproperty list uchar int vertex_index\nend_header\n");
-    memcpy(ply + n, corner, sizeof corner);
-    n += sizeof corner;
-    for (int a = 0; a < 3; a++, n += 4) memcpy(ply + n, &bad, 4);
+    for (int i = 0; i < 12; i++, n += 4) put_little(ply + n, &corner[i / 3][i % 3]);
+    for (int a = 0; a < 3; a++, n += 4) put_little(ply + n, &bad);
     for (int t = 0; t < 5; t++) {
         int32_t number[3] = {t < 4 ? (int32_t)four[t * 3] : 4, (int32_t)four[t % 4 * 3 + 1], (int32_t)four[t % 4 * 3 + 2]};
         ply[n++] = 3;
-        memcpy(ply + n, number, 12);
-        n += 12;
+        for (int k = 0; k < 3; k++, n += 4) put_little(ply + n, &number[k]);
     }
     check_read(ply, n, BVX_FORMAT_PLY, 1, "vertex 4 ");
 }
