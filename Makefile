@@ -267,13 +267,13 @@ deps: ## install what the tests need (apt, as root)
 deps-proof: ## and what matrix, fuzz, coverage, mcdc, analyze, abi and the sanitizers need
 	@sh tests/tools/deps.sh proof
 
-test: deps ## all tests of this machine and compiler; ends with "N passed, N failed"
+test: deps ## all tests of this machine and compiler (10 minutes); ends with "N passed, N failed"
 	@$(environment) sh tests/tools/run_tests.sh here
 
 test-quick: ## without the Python package
 	@$(environment) sh tests/tools/run_tests.sh quick
 
-test-other: deps ## other compilers, 32-bit x86, big-endian s390x, sanitizers (a quarter of an hour)
+test-other: deps ## other compilers, 32-bit x86, big-endian s390x, sanitizers (18 minutes)
 	@$(environment) sh tests/tools/run_tests.sh other
 
 test-machines: deps ## every unit test on 32-bit x86 and big-endian s390x (long)

@@ -563,7 +563,7 @@ int cli_check_normals(cli_run *run);
 int cli_check_sharp(cli_run *run);
 /* What of a mesh a format cannot hold, as a warning. */
 void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
-/* Refuse --output-origin for what is no mesh. */
+/* Refuse --output-origin for outputs other than meshes. */
 int cli_check_output_origin(cli_run *run);
 /* Write the mesh as the output of this number, which is open, but do not keep it: less --output-origin; --normals adds the
  * normals of vertices. Where the file holds other positions than the mesh, or joins them, the certificate of the report's

@@ -100,7 +100,7 @@ static void say_thin(cli_run *run, const bvx_repair_report *r)
             r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5], r->thin_kept ? ": kept" : "");
 }
 
-/* Dropped walls, parts that the mesh has not, and a size that has changed without overlaps. */
+/* Dropped walls, parts that the mesh does not have, and a size that has changed without overlaps. */
 static void warn_of_repair(cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction)
 {
     const char *const remedy = reduction->done ? "ask for more --triangles or a smaller --error" : "take a higher --resolution";

@@ -70,7 +70,7 @@ static int find_near_box(far_points *f)
     return 1;
 }
 
-/* Far points by number: a vertex counts once for each triangle that uses it, which is no matter for a share. */
+/* Far points by number: a vertex counts once for each triangle that uses it, which does not matter for a share. */
 static void count_far(far_points *f)
 {
     for (int a = 0; a < 3; a++) {

@@ -40,7 +40,7 @@ static const cli_command *find_command(const char *name)
     return NULL;
 }
 
-/* A reader that has seen enough, as head has, is no failure: the program ends as others do, by the signal and without a
+/* A reader that has seen enough, as head has, is not a failure: the program ends as others do, by the signal and without a
  * word. All files are written by now. */
 static void end_without_reader(void)
 {

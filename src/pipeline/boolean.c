@@ -245,12 +245,12 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     bvx_status status;
     BVXI_TRY(open_boolean_grid(job, "the centres that are measured", &b->where));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, from, bvxi_ends_mark(ctx, &job->inside, &b->solid, &b->where)));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (job->rows + 1) * 8, "their rows", &b->first));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (job->rows + 1) * 8, "the rows of centres beside the surface", &b->first));
     b->count = bvxi_ends_number(&b->where, b->first);
     b->room = b->count;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 24, "their vectors", &b->vectors));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 8, "their distances", &b->distances));
-    if (job->report.sharp) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 4, "their triangles", &b->triangles));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 24, "the vectors of centres beside the surface", &b->vectors));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 8, "the distances of centres beside the surface", &b->distances));
+    if (job->report.sharp) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 4, "the triangles of centres beside the surface", &b->triangles));
     if (b->count == 0) return BVX_OK;
     memset(&out, 0, sizeof out);
     out.value_type = BVX_F64;

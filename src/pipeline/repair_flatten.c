@@ -268,8 +268,8 @@ static bvx_status open_around(flatten_job *f)
     mark_blocks_around(f, &all);
     take_around(f, &all);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles of thin walls", &f->corner);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 4, "their vertices", &f->vertex);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 24, "their places", &f->position);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 4, "the numbers of vertices at thin walls", &f->vertex);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 24, "the places of vertices at thin walls", &f->position);
     if (status == BVX_OK) {
         take_around(f, &all);
         number_around(f, all.vertex_count);
@@ -416,7 +416,7 @@ bvx_status bvxi_repair_flatten(bvxi_repair_job *job, bvx_mesh *repaired)
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
     f.count = list_moved(&f);
     if (f.count != 0) status = aim_vertices(&f);
-    if (status == BVX_OK && f.count != 0) status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the vertices around them", &f.local);
+    if (status == BVX_OK && f.count != 0) status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local);
     if (status == BVX_OK && f.count != 0) status = open_around(&f);
     if (status == BVX_OK && f.count != 0) status = move_vertices(&f);
     bvxi_free(job->ctx, f.position, f.near.vertex_count * 24);

@@ -127,11 +127,11 @@ static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
     v->rows = bvxi_grid_rows(&job->inside);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->grid_bytes, "the centres that are measured", &v->where.words));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.03, bvxi_ends_mark(ctx, &job->inside, NULL, &v->where)));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (v->rows + 1) * 8, "their rows", &v->first));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (v->rows + 1) * 8, "the rows of centres beside the surface", &v->first));
     v->count = bvxi_ends_number(&v->where, v->first);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 24, "their vectors", &v->vectors));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 8, "their distances", &v->distances));
-    if (job->report.sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "their triangles", &v->triangles));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 24, "the vectors of centres beside the surface", &v->vectors));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 8, "the distances of centres beside the surface", &v->distances));
+    if (job->report.sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "the triangles of centres beside the surface", &v->triangles));
     if (job->body.triangle_count != 0)
         BVXI_TRY(measure_mesh(job, v, &job->body, 0, v->vectors, v->distances, v->triangles, 0.03, shells ? 0.5 : 1.0));
     thicken_values(job, v);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# test_files.sh [PROGRAM] - files of the bitvox program: coordinates far from the origin, and what is written is what is told.
+# test_files.sh [PROGRAM] - files of the bitvox program: coordinates far from the origin, and reports that describe what is written.
 # PROGRAM is build/bitvox, or what BITVOX names. One line a check, "ok NAME" or "not ok NAME"; the last line is
 # "N passed, N failed[, N skipped]". Runs in the repository's root, works in a folder of its own.
 set -u

@@ -61,6 +61,17 @@ static void assert_auto_equals(const bvx_grid *good, int32_t fill, int32_t reaso
     bvx_grid_free(ctx, &g);
 }
 
+/* The mesh as it is now: auto takes this rule for this reason, and sets this number of voxels. */
+static void assert_auto_sets(const bvx_lattice *l, uint64_t voxels, int32_t fill, int32_t reason, uint64_t turned)
+{
+    bvx_solid_report r;
+    bvx_grid g = by_auto(l, &r);
+
+    TEST_ASSERT_EQUAL_UINT64(voxels, set_voxels(&g));
+    assert_chosen(&r, fill, reason, turned);
+    bvx_grid_free(ctx, &g);
+}
+
 /* ---- Overlaps and flipped triangles ---- */
 
 static void test_one_flipped_triangle_leaves_a_union_of_balls_whole(void)
@@ -82,31 +93,21 @@ static void test_one_flipped_triangle_leaves_a_union_of_cubes_whole(void)
 {
     double const low[3] = {4, 4, 4}, high[3] = {36, 36, 36}, bar_low[3] = {20, 10, 10}, bar_high[3] = {46, 30, 30};
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
-    bvx_solid_report r;
-    bvx_grid g;
     add_fine_box(low, high, 8);
     add_fine_box(bar_low, bar_high, 8);
     maker_flip(&mesh, 1000, 1001);
-    g = by_auto(&l, &r);
-    TEST_ASSERT_EQUAL_UINT64(32 * 32 * 32 + 10 * 20 * 20, set_voxels(&g));
-    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 1);
-    bvx_grid_free(ctx, &g);
+    assert_auto_sets(&l, 32 * 32 * 32 + 10 * 20 * 20, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 1);
 }
 
 static void test_a_part_inside_out_that_overlaps_is_turned(void)
 {
     double const low[3] = {4, 4, 4}, high[3] = {36, 36, 36}, bar_low[3] = {20, 10, 10}, bar_high[3] = {46, 30, 30};
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
-    bvx_solid_report r;
-    bvx_grid g;
     add_fine_box(low, high, 2);
     size_t const first = mesh.triangles;
     add_fine_box(bar_low, bar_high, 2);
     maker_flip(&mesh, first, mesh.triangles);
-    g = by_auto(&l, &r);
-    TEST_ASSERT_EQUAL_UINT64(32 * 32 * 32 + 10 * 20 * 20, set_voxels(&g));
-    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 48);
-    bvx_grid_free(ctx, &g);
+    assert_auto_sets(&l, 32 * 32 * 32 + 10 * 20 * 20, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 48);
 }
 
 static void test_a_part_inside_out_beside_a_right_one_is_inside(void)
@@ -126,14 +127,9 @@ static void test_doubled_triangles_are_there_once(void)
 {
     double const low[3] = {4, 4, 4}, high[3] = {36, 36, 36};
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
-    bvx_solid_report r;
-    bvx_grid g;
     add_fine_box(low, high, 2);
     for (size_t i = 0, n = mesh.triangles; i < n; i++) maker_duplicate(&mesh, i);
-    g = by_auto(&l, &r);
-    TEST_ASSERT_EQUAL_UINT64(32 * 32 * 32, set_voxels(&g));
-    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
-    bvx_grid_free(ctx, &g);
+    assert_auto_sets(&l, 32 * 32 * 32, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
 }
 
 static void test_some_doubled_triangles_are_there_once(void)
@@ -183,17 +179,12 @@ static void test_cavities_stay_beside_overlaps(void)
     double const low[3] = {2, 2, 2}, high[3] = {30, 30, 30}, bar_low[3] = {20, 10, 10}, bar_high[3] = {46, 30, 30};
     double const hole_low[3] = {6, 6, 6}, hole_high[3] = {14, 16, 12};
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
-    bvx_solid_report r;
-    bvx_grid g;
     add_fine_box(low, high, 2);
     add_fine_box(bar_low, bar_high, 2);
     size_t const first = mesh.triangles;
     add_fine_box(hole_low, hole_high, 2);
     maker_flip(&mesh, first, mesh.triangles);
-    g = by_auto(&l, &r);
-    TEST_ASSERT_EQUAL_UINT64(28 * 28 * 28 + 26 * 20 * 20 - 10 * 20 * 20 - 8 * 10 * 6, set_voxels(&g));
-    assert_chosen(&r, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
-    bvx_grid_free(ctx, &g);
+    assert_auto_sets(&l, 28 * 28 * 28 + 26 * 20 * 20 - 10 * 20 * 20 - 8 * 10 * 6, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
 }
 
 /* ---- Holes ---- */

@@ -124,10 +124,10 @@ class _Bar:
 def _callable_of(progress: Progress) -> tuple[Callable[[str, float], Any] | None, _Bar | None]:
     """What is to be called, and the bar that is to be closed."""
     bar = _Bar() if progress is True else None
-    told = bar if progress is True else progress or None
-    if told is not None and not callable(told):
+    callback = bar if progress is True else progress or None
+    if callback is not None and not callable(callback):
         raise TypeError(f"progress must be True or a callable, not {type(progress).__name__}")
-    return told, bar
+    return callback, bar
 
 
 class Rise:
@@ -232,7 +232,7 @@ class Run:
                 self.bar.close()
 
     def report(self, stage: str, fraction: float) -> Any:
-        """What the library reports, as a part of the one rise; its 1 is told at the end of all."""
+        """What the library reports, as a part of the one rise; its 1 comes at the end of all."""
         self.stage = stage
         if fraction >= 1.0:
             if self.moved and self.call + 1 < self.calls:
