@@ -2115,8 +2115,9 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  * below least_part), BVX_ERR_RANGE, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED.
  * Memory: the mesh, two grids and what the sign rule needs, then a grid, 32 bytes for each centre next to the surface and what
  * bvx_measure_field needs a triangle; with a report that of bvx_mesh_check on both meshes. A scan of 69 thousand triangles: the
- * mesh made, three grids and 45 bytes a vertex made (24 MiB at 256, 112 at 512), with a report 36 and 155. Cost: the solid, the closest points of
- * the centres next to the surface, the surface; target_triangles: the solid for each resolution tried.
+ * mesh made, three grids and 45 bytes a vertex made (24 MiB at 256, 112 at 512), with a report 36 and 155. Where walls are thin: one
+ * grid and 12 bytes a triangle near them beside. Cost: the solid, the closest points of the centres next to the surface, the
+ * surface; target_triangles: the solid for each resolution tried.
  * Source: "Model repair by a vector distance field", with its formula mended.
  */
 BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired);

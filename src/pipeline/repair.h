@@ -13,9 +13,9 @@ typedef struct bvxi_thin {
     float *reach;            /* how far off the mesh the thicker wall ends; below 0: of a sheet, as far as its size; 0: no wall is thin
                                 [Size: values] [Units: largest spacings] */
     uint64_t rows, values;
-    uint32_t *corner;        /* of the body's triangles nearby [Size: body.triangle_count * 3] */
+    uint32_t *corner;        /* of the body's triangles nearby, and a view of these */
     uint64_t corner_bytes;
-    bvx_closest closest;     /* a search among them */
+    bvx_mesh_view mesh;
 } bvxi_thin;
 
 typedef struct bvxi_repair_job {

@@ -44,6 +44,7 @@ typedef struct flatten_job {
     uint32_t *corner;      /* [Size: near.triangle_count * 3] */
     double *position;      /* as written [Size: near.vertex_count * 3] */
     bvx_mesh_view near;
+    bvx_closest closest;   /* a search among the triangles that thin walls were found with */
 } flatten_job;
 
 /* ---- Which vertices move ---- */
@@ -129,7 +130,7 @@ static void aim_piece(void *user, int32_t piece, int32_t worker)
         if (f->number[v] == 0) continue;
         m = &f->moved[f->number[v] - 1];
         world_position(f, &view, v, p);
-        bvxi_closest_ask(&f->job->thin.closest, p, &hint, &q);
+        bvxi_closest_ask(&f->closest, p, &hint, &q);
         for (int a = 0; a < 3; a++) {
             m->from[a] = p[a] - f->mesh->frame[a];
             m->to[a] = q.position[a] + (p[a] - q.position[a]) * FLATTEN_LEFT - f->mesh->frame[a];
@@ -397,10 +398,16 @@ static bvx_status move_vertices(flatten_job *f)
 static bvx_status aim_vertices(flatten_job *f)
 {
     uint64_t const pieces = f->mesh->vertex_count / FLATTEN_GRAIN + 1;
+    bvx_status status;
 
     f->pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
     BVXI_TRY(bvxi_alloc_zero(f->job->ctx, BVXI_SCRATCH, f->count * sizeof *f->moved, "the vertices of thin walls", &f->moved));
-    return bvxi_parallel(f->job->ctx, "thin", 0.0, 0.3, f->pieces, aim_piece, f);
+
+    /* Searched anew: a tree kept since the walls were found would be there when memory is scarcest. */
+    BVXI_TRY(bvxi_closest_open(f->job->ctx, bvxi_repair_name, "thin", 0.0, 0.1, &f->job->thin.mesh, &f->closest));
+    status = bvxi_parallel(f->job->ctx, "thin", 0.1, 0.3, f->pieces, aim_piece, f);
+    bvxi_closest_shut(f->job->ctx, &f->closest);
+    return status;
 }
 
 bvx_status bvxi_repair_flatten(bvxi_repair_job *job, bvx_mesh *repaired)

@@ -47,6 +47,7 @@ typedef struct thin_job {
     thin_point *point;        /* what is there [Size: count] */
     uint64_t count;
     uint32_t *corner;         /* of the triangles nearby, each from its first corner to its last, by place */
+    uint64_t corner_bytes;
     uint8_t *against;         /* of those triangles, 1: the mesh has them the other way round */
     uint8_t *blocks;          /* 1: triangles there are wanted */
     int32_t block_size[3];
@@ -272,8 +273,8 @@ static uint64_t place_hash(const bvx_mesh_view *mesh, const uint32_t c[3])
     return bvxi_hash_end(&hash);
 }
 
-/* Put the triangles nearby into an order that no numbering of the mesh shows in: that of a hash of their corners' places.
- * keys, numbers [Size: count], sorted [Size: count * 3]: scratch. */
+/* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their corners' places.
+ * keys, numbers [Size: count]: scratch. sorted [Size: count * 3] */
 static bvx_status sort_triangles_nearby(thin_job *t, uint64_t *keys, uint32_t *numbers, uint32_t *sorted)
 {
     uint64_t const count = t->near.triangle_count;
@@ -288,7 +289,6 @@ static bvx_status sort_triangles_nearby(thin_job *t, uint64_t *keys, uint32_t *n
     BVXI_TRY(bvxi_radix_sort(t->job->ctx, keys, numbers, count));
     for (uint64_t n = 0; n < count; n++) t->against[n] = (uint8_t)sorted[numbers[n]];
     for (uint64_t n = 0; n < count; n++) memcpy(sorted + 3 * n, t->corner + 3 * (uint64_t)numbers[n], 12);
-    memcpy(t->corner, sorted, (size_t)count * 12);
     return BVX_OK;
 }
 
@@ -296,14 +296,22 @@ static bvx_status order_triangles_nearby(thin_job *t)
 {
     bvx_context *const ctx = t->job->ctx;
     uint64_t const count = t->near.triangle_count;
-    unsigned char *block;
+    uint32_t *sorted, *numbers = NULL;
+    uint64_t *keys = NULL;
     bvx_status status;
-    uint64_t *keys;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 24, "the order of triangles at thin places", &block));
-    keys = (uint64_t *)(void *)block;
-    status = sort_triangles_nearby(t, keys, (uint32_t *)(keys + count), (uint32_t *)(keys + count) + count);
-    bvxi_free(ctx, block, count * 24);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &sorted));
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &keys);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places", &numbers);
+    if (status == BVX_OK) status = sort_triangles_nearby(t, keys, numbers, sorted);
+    bvxi_free(ctx, numbers, count * 4);
+    bvxi_free(ctx, keys, count * 8);
+
+    /* Room for all triangles is needed no more. */
+    bvxi_free(ctx, t->corner, t->corner_bytes);
+    t->corner = sorted;
+    t->corner_bytes = count * 12;
+    bvxi_repair_view(t->job, sorted, count, &t->near);
     return status;
 }
 
@@ -319,7 +327,8 @@ static bvx_status open_nearby(thin_job *t)
         bytes *= (uint64_t)t->block_size[a];
     }
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, t->job->body.triangle_count * 12, "the triangles at thin places", &t->corner);
+    t->corner_bytes = t->job->body.triangle_count * 12;
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner);
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, t->job->body.triangle_count, "the sides of thin places", &t->against);
     if (status == BVX_OK) {
         mark_blocks(t);
@@ -712,25 +721,23 @@ static bvx_status widen(thin_job *t)
     return keep_reach(t);
 }
 
-/* The search and the centres that were asked go on to the surface. */
+/* The triangles and the centres that were asked go on to the surface. */
 static void hand_on(thin_job *t)
 {
     bvxi_thin *const thin = &t->job->thin;
 
     thin->near = t->places;
     thin->corner = t->corner;
-    thin->corner_bytes = t->job->body.triangle_count * 12;
-    thin->closest = t->closest;
+    thin->corner_bytes = t->corner_bytes;
+    thin->mesh = t->near;
     t->places.words = NULL;
     t->corner = NULL;
-    memset(&t->closest, 0, sizeof t->closest);
 }
 
 void bvxi_thin_close(bvxi_repair_job *job)
 {
     bvxi_thin *const thin = &job->thin;
 
-    bvxi_closest_shut(job->ctx, &thin->closest);
     bvxi_free(job->ctx, thin->corner, thin->corner_bytes);
     bvxi_free(job->ctx, thin->reach, thin->values * 4);
     bvxi_free(job->ctx, thin->first, (thin->rows + 1) * 8);
@@ -780,7 +787,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
 
     bvxi_closest_shut(job->ctx, &t.closest);
     bvxi_free(job->ctx, t.against, job->body.triangle_count);
-    bvxi_free(job->ctx, t.corner, job->body.triangle_count * 12);
+    bvxi_free(job->ctx, t.corner, t.corner_bytes);
     close_list(&t);
     bvxi_free(job->ctx, t.places.words, job->grid_bytes);
     return status;
