@@ -261,7 +261,10 @@ static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z,
 
 /* ---- Meshes ------------------------------------------------------------------------------------------------ */
 
-enum { BVX_F32 = 1, BVX_F64 = 2 };
+/** Types of positions and values. BVX_POSITION_AUTO is for the position_type of options: BVX_F32 where it tells neighbouring
+ *  positions apart (its steps at the largest coordinate are at most 1/256 of a voxel), else BVX_F64; the mesh's own position_type
+ *  says which. Simplifying, which has no voxels, keeps the mesh's type. Arrays of the caller's must be of the type that comes out. */
+enum { BVX_POSITION_AUTO = 0, BVX_F32 = 1, BVX_F64 = 2 };
 enum { BVX_U16 = 1, BVX_U32 = 2, BVX_U64 = 3 };
 
 /** Borrowed input: pointers into the caller's arrays. */
@@ -1320,7 +1323,7 @@ enum {
 typedef struct bvx_extract_options {
     size_t struct_size;
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
     int32_t open_sides;    /**< BVX_OPEN_... [Default: 0, beyond the window counts as empty] */
     int32_t keys;          /**< 1: fill vertex_keys and triangle_keys [Limit: dims < 2^20] [Default: 0] */
     int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
@@ -1341,7 +1344,7 @@ BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid,
  * that overlap by one layer of voxels tile the whole, and bvx_mesh_merge joins them to the whole's bytes.
  * Vertices are in order of (z, y, axis, x) of their lattice edge, triangles of (z, y, x) of their cell.
  *
- * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (f32 cannot tell neighbouring positions apart: take f64 or local_frame;
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (f32 cannot tell neighbouring positions apart: take BVX_POSITION_AUTO, f64 or local_frame;
  * 2^32 vertices or more), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. An empty grid gives an
  * empty mesh. Memory: the mesh and 16 bytes a row. Cost: O(words + crossings).
  * Source: Lorensen, Cline. Marching Cubes. 1987; face rules and triangulations from src/surface/tables.py.
@@ -1351,7 +1354,7 @@ BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *gri
 
 typedef struct bvx_faces_options {
     size_t struct_size;
-    int32_t position_type; /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
     int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
     int32_t merged;        /**< 1: faces of one plane and side are merged into rectangles [Default: 0] */
     int32_t reserved;
@@ -1440,7 +1443,7 @@ typedef struct bvx_scalar_options {
     double level;              /**< value of the surface [Limit: not NaN] [Default: 0] */
     int32_t below;             /**< inside is where 0: sample >= level, 1: sample <= level [Default: 0] */
     int32_t face_rule;         /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type;     /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t position_type;     /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
     int32_t open_sides;        /**< BVX_OPEN_... [Default: 0, beyond the window is outside] */
     int32_t keys;              /**< 1: fill vertex_keys and triangle_keys [Limit: dims < 2^20] [Default: 0] */
     int32_t local_frame;       /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
@@ -1463,7 +1466,7 @@ BVX_API void bvx_scalar_options_init(bvx_scalar_options *options, size_t size);
  *
  * mesh      as for bvx_extract_surface; bvx_extract_count of bvx_threshold(level, infinity) tells its exact size
  *
- * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (positions too coarse: take f64 or local_frame; 2^32 vertices or more),
+ * Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (positions too coarse: take BVX_POSITION_AUTO, f64 or local_frame; 2^32 vertices or more),
  * BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED. A volume without a crossing gives an empty mesh.
  * Memory: the mesh, one bit a sample and 16 bytes a row. Cost: O(samples), read once, and the samples beside the surface again.
  * Source: Lorensen, Cline. Marching Cubes. 1987; triangulations from src/surface/tables.py.
@@ -1681,7 +1684,7 @@ typedef struct bvx_field_surface_options {
     size_t struct_size;
     int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT, nearest to the mesh where measured] */
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
     int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
     int32_t sharp;         /**< 1: cells on sharp edges and corners get a vertex there, and cuts move to the closest triangles'
                                 planes where the field has triangles and the mesh is given [Default: 0] */
@@ -1752,7 +1755,7 @@ typedef struct bvx_boolean_options {
     int32_t face_rule;          /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
     int32_t sharp;              /**< 1: sharp edges of the meshes, and those where they meet, as in bvx_extract_field_surface; 0: none; -1: where one
                                      of the meshes has them, as in bvx_repair_options [Default: -1] */
-    int32_t position_type;      /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t position_type;      /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
     int32_t local_frame;        /**< as for bvx_extract_field_surface [Default: 0] */
     int32_t keep_crumbs;        /**< 1: small parts and pockets that neither mesh has a part for stay, as in bvx_repair_options [Default: 0] */
     bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
@@ -1811,7 +1814,7 @@ typedef struct bvx_lod_options {
     const uint64_t *target_triangles;  /**< most triangles of each level [Size: level_count] [Default: NULL] */
     uint64_t source_triangles;         /**< triangles of the mesh behind the grid, for exceeds_source [Default: 0, unknown] */
     int32_t face_rule;                 /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type;             /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t position_type;             /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
     int32_t local_frame;               /**< 1: positions relative to the grid's low corner, which goes to frame [Default: 0] */
     int32_t reserved;
     double collapse;                   /**< target_triangles only: make the level with up to this many times its target, then
@@ -1944,7 +1947,8 @@ typedef struct bvx_sections_options {
     int32_t crossings;     /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
     int32_t depth;         /**< a cell is halved at most this often [Limit: 0..8] [Default: 5] */
     int32_t label;         /**< the body [Default: BVX_LABEL_ONLY, the only one there is] */
-    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64 [Default: BVX_F64, which keeps the contours' points] */
+    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which BVX_POSITION_AUTO is too: contours' points are
+                                doubles and are kept [Default: BVX_F64] */
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
     int32_t nesting;       /**< BVX_NESTING_... [Default: BVX_NESTING_LEVELS] */
     int32_t mend;          /**< 1: loops that touch or cross themselves or each other are split there; inside stays what an odd
@@ -2073,7 +2077,7 @@ typedef struct bvx_repair_options {
     int32_t sharp;               /**< vertices on sharp edges and corners, as for bvx_extract_field_surface: 0 never, 1 always, -1 where a
                                       tenth of the mesh's edges are sharp (by 40 degrees), or a hundredth and at most half as many bent
                                       (by 15), by length, as in machine parts [Default: -1] */
-    int32_t position_type;       /**< BVX_F32 or BVX_F64 [Default: BVX_F32] */
+    int32_t position_type;       /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
     int32_t local_frame;         /**< as for bvx_extract_field_surface [Default: 0] */
     int32_t measure;             /**< 1: fill the report's distances, from measure_samples points a side [Default: 0] */
     double shell;                /**< thickness that open sheets are given [Units: largest spacings] [Limit: 0: none are made; else
@@ -2158,7 +2162,7 @@ typedef struct bvx_simplify_options {
     const double *target_errors;      /**< largest error of each level [Units: world] [Limit: > 0] [Size: level_count] [Default: NULL; with
                                            neither, each level has half of the triangles of the one before, the first half of the mesh's] */
     int32_t error_kind;               /**< of target_errors: BVX_ERROR_MEAN or BVX_ERROR_MAX [Default: BVX_ERROR_MEAN] */
-    int32_t position_type;            /**< BVX_F32 or BVX_F64 [Default: 0, the mesh's own] */
+    int32_t position_type;            /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO, the mesh's own [Default: BVX_POSITION_AUTO] */
     double even;                      /**< pull towards triangles of even size where the surface is flat [Limit: 0..1] [Default: 1e-9] */
     uint64_t measure_samples;         /**< points a side for each report's distances [Limit: 0: not measured, or 1..2^31-1] [Default: 0; target_errors
                                            measure with 20000 where none are given] */
@@ -2242,8 +2246,8 @@ typedef struct bvx_levels_options {
     const uint64_t *target_triangles; /**< as in bvx_simplify_options; halving starts from the input's triangles */
     const double *target_errors;      /**< as in bvx_simplify_options */
     int32_t error_kind;               /**< as in bvx_simplify_options */
-    int32_t position_type;            /**< BVX_F32 or BVX_F64 [Default: 0: the type of a mesh that is simplified as it is; of
-                                           a measured surface f32 where it holds, else f64] */
+    int32_t position_type;            /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO: the type of a mesh that is simplified as it is; of
+                                           a measured surface f32 where it holds, else f64 [Default: BVX_POSITION_AUTO] */
     double even;                      /**< as in bvx_simplify_options [Default: 1e-9] */
     uint64_t measure_samples;         /**< as in bvx_simplify_options [Default: 0] */
     int32_t strict;                   /**< as in bvx_simplify_options [Default: 0] */

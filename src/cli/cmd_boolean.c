@@ -127,6 +127,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     bvx_status status;
     bvx_boolean_options_init(&o, sizeof o);
     o.lattice = &lattice;
+    o.position_type = BVX_POSITION_AUTO;
     o.fill = run->options.fill;
     if (cli_given(run, "--interpolation")) o.interpolation = run->options.interpolation;
     if (run->options.sharp || run->options.no_sharp) o.sharp = run->options.sharp;
@@ -137,10 +138,6 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     cli_stage_begin(run, "boolean");
     status = fit_boolean_lattice(run, b, &lattice);
     if (status == BVX_OK) status = bvx_boolean(run->context, &view[0], &view[1], b->operation, &o, &b->mesh);
-    if (status == BVX_ERR_RANGE && b->mesh.positions == NULL) { /* far from the origin */
-        o.position_type = BVX_F64;
-        status = bvx_boolean(run->context, &view[0], &view[1], b->operation, &o, &b->mesh);
-    }
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
     b->few = b->report.few;
@@ -216,11 +213,8 @@ static int combine_grids(cli_run *run, boolean_run *b)
     if (status == BVX_OK) status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &run->report.set);
     bvx_extract_options_init(&e, sizeof e);
+    e.position_type = BVX_POSITION_AUTO;
     if (status == BVX_OK && b->kind == CLI_MESH) status = bvx_extract_surface(run->context, &b->grid, &e, &b->mesh);
-    if (status == BVX_ERR_RANGE && b->grid.words != NULL) {
-        e.position_type = BVX_F64;
-        status = bvx_extract_surface(run->context, &b->grid, &e, &b->mesh);
-    }
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
     run->report.lattice = b->grid.lattice;

@@ -19,12 +19,9 @@ static int check_faces_options(cli_run *run)
 static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
 {
     bvx_faces_options f;
-    bvx_status status;
     bvx_faces_options_init(&f, sizeof f);
+    f.position_type = BVX_POSITION_AUTO;
     f.merged = run->options.merge;
-    status = bvx_extract_faces(run->context, grid, &f, mesh);
-    if (status != BVX_ERR_RANGE) return status;
-    f.position_type = BVX_F64; /* far from the origin */
     return bvx_extract_faces(run->context, grid, &f, mesh);
 }
 

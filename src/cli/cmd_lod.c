@@ -91,6 +91,7 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     if (o->method != 0) l.method = o->method;
     if (o->threshold != 0.0) l.threshold = o->threshold;
     l.edge_samples = o->edge_samples;
+    l.position_type = BVX_POSITION_AUTO;
     l.collapse = o->collapse;
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
@@ -98,10 +99,6 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     l.reports = &c->lod[i];
     cli_stage_begin(run, "level %d", i);
     status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
-    if (status == BVX_ERR_RANGE && strstr(bvx_last_message(run->context), "take f64") != NULL) { /* far from the origin */
-        l.position_type = BVX_F64;
-        status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
-    }
     entry->milliseconds = cli_stage_end(run) * 1e3;
     if (status != BVX_OK) {
         char about[32];

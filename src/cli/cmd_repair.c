@@ -181,14 +181,11 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
     bvx_mesh_view view;
     bvx_status status;
     take_repair_options(run, &o);
+    o.position_type = BVX_POSITION_AUTO;
     o.report = report;
     bvx_mesh_view_of(source, &view);
     cli_stage_begin(run, "repair");
     status = bvx_repair(run->context, &view, &o, repaired);
-    if (status == BVX_ERR_RANGE && repaired->positions == NULL) { /* far from the origin */
-        o.position_type = BVX_F64;
-        status = bvx_repair(run->context, &view, &o, repaired);
-    }
     cli_stage_end(run);
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options.input[0]));
 }

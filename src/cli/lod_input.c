@@ -136,20 +136,17 @@ static int open_mesh(cli_run *run, cli_chain *c)
     return make_solid(run, c);
 }
 
-/* The surface of all voxels, in doubles where floats are too coarse; only its count where nothing is measured. */
+/* The surface of all voxels; only its count where nothing is measured. */
 static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
 {
     bvx_extract_options e;
     uint64_t vertices;
     bvx_status status;
     bvx_extract_options_init(&e, sizeof e);
+    e.position_type = BVX_POSITION_AUTO;
     if (run->options.samples == 0)
         return bvx_extract_count(run->context, &c->solid, &e, &vertices, &c->input_triangles);
     status = bvx_extract_surface(run->context, &c->solid, &e, &c->input);
-    if (status == BVX_ERR_RANGE) {
-        e.position_type = BVX_F64;
-        status = bvx_extract_surface(run->context, &c->solid, &e, &c->input);
-    }
     c->input_triangles = c->input.triangle_count;
     return status;
 }

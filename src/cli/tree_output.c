@@ -102,18 +102,15 @@ static int write_expanded(cli_run *run, cli_tree *t)
 
 /* ---- the last level as a mesh, the tree as a file ---- */
 
-/* The closed surface of the last level, in doubles where floats are too coarse. */
+/* The closed surface of the last level. */
 static int make_surface_mesh(cli_run *run, cli_tree *t)
 {
     bvx_extract_options e;
     bvx_status status;
     bvx_extract_options_init(&e, sizeof e);
+    e.position_type = BVX_POSITION_AUTO;
     cli_stage_begin(run, "surface");
     status = bvx_extract_octree(run->context, t->tree, run->options.states, &e, &t->surface);
-    if (status == BVX_ERR_RANGE) {
-        e.position_type = BVX_F64;
-        status = bvx_extract_octree(run->context, t->tree, run->options.states, &e, &t->surface);
-    }
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, run->options.output);
     return t->surface.triangle_count != 0 ? CLI_DONE : cli_fail(run, "%s: no voxel has these states", run->options.output);

@@ -123,29 +123,23 @@ static int make_volume_grid(cli_run *run, volume_job *j)
 
 /* ---- meshes ---- */
 
-/* The surface of the level, by its values; positions in doubles where floats are too coarse. */
+/* The surface of the level, by its values. */
 static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_view *view, bvx_mesh *mesh)
 {
     bvx_scalar_options o;
-    bvx_status status;
     bvx_scalar_options_init(&o, sizeof o);
+    o.position_type = BVX_POSITION_AUTO;
     o.level = run->options.level;
     o.below = run->options.below;
     o.report = &j->report;
-    status = bvx_extract_scalar(run->context, view, &o, mesh);
-    if (status != BVX_ERR_RANGE) return status;
-    o.position_type = BVX_F64;
     return bvx_extract_scalar(run->context, view, &o, mesh);
 }
 
 static bvx_status make_grid_mesh(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
 {
     bvx_extract_options o;
-    bvx_status status;
     bvx_extract_options_init(&o, sizeof o);
-    status = bvx_extract_surface(run->context, grid, &o, mesh);
-    if (status != BVX_ERR_RANGE) return status;
-    o.position_type = BVX_F64;
+    o.position_type = BVX_POSITION_AUTO;
     return bvx_extract_surface(run->context, grid, &o, mesh);
 }
 

@@ -7,6 +7,13 @@ static uint64_t mesh_position_bytes(int32_t type)
     return type == BVX_F64 ? 24 : 12;
 }
 
+bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int32_t position_type)
+{
+    if (position_type == BVX_POSITION_AUTO || position_type == BVX_F32 || position_type == BVX_F64) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is not BVX_POSITION_AUTO (0), BVX_F32 (1) or BVX_F64 (2)",
+                     function, (int64_t)position_type);
+}
+
 /* 1 when arrays that the library made hold such a surface and nothing else. */
 static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint64_t vertex_count, uint64_t triangle_count)
 {

@@ -10,6 +10,9 @@
 bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys, uint64_t vertex_count,
                           uint64_t triangle_count, bvx_mesh *mesh);
 
+/* Refuse a position_type of options that has no meaning. */
+bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int32_t position_type);
+
 /* Refuse a mesh whose reserved fields are not zero. */
 bvx_status bvxi_mesh_check_reserved(bvx_context *ctx, const char *function, const bvx_mesh *mesh);
 

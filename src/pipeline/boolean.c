@@ -4,6 +4,7 @@
  * and only the ends of edges that a body crosses are measured to it: its own surface, nowhere mixed with the other's. Where both
  * cross, a union has the outer of the two cuts, the others the inner one (of xor no edge is crossed by both). */
 #include "field/nearest.h"
+#include "mesh/mesh.h"
 #include "mesh/pieces.h"
 #include "mesh/sharp_edges.h"
 #include "mesh/view.h"
@@ -60,9 +61,7 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: interpolation %d is unknown", boolean_name, (int64_t)o->interpolation);
     if (o->face_rule != BVX_FACE_SEPARATE && o->face_rule != BVX_FACE_JOIN)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: face rule %d is unknown", boolean_name, (int64_t)o->face_rule);
-    if (o->position_type != BVX_F32 && o->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither BVX_F32 nor BVX_F64", boolean_name,
-                         (int64_t)o->position_type);
+    BVXI_TRY(bvxi_check_position_type(ctx, boolean_name, o->position_type));
     if (o->sharp < -1 || o->sharp > 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", boolean_name, (int64_t)o->sharp);
     if ((o->local_frame & ~1) != 0)

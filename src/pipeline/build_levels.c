@@ -4,6 +4,7 @@
  * is nearer to it. What is not is measured first: the surface that bvx_repair puts between voxels lies a
  * hundredth of a voxel from the mesh and has its guarantee. Sheets are simplified as they are too where their
  * borders are to stay. */
+#include "mesh/mesh.h"
 #include "mesh/pieces.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"
@@ -46,9 +47,7 @@ typedef struct levels_job {
 
 static bvx_status check_levels_options(bvx_context *ctx, const char *function, const bvx_levels_options *o)
 {
-    if (o->position_type != 0 && o->position_type != BVX_F32 && o->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither 0, BVX_F32 nor BVX_F64",
-                         function, (int64_t)o->position_type);
+    BVXI_TRY(bvxi_check_position_type(ctx, function, o->position_type));
     if (o->source < BVX_LEVELS_AUTO || o->source > BVX_LEVELS_MEASURED)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: source %d is unknown", function, (int64_t)o->source);
     if (o->resolution < 0 || o->resolution > 1 << 24)
@@ -259,9 +258,7 @@ static bvx_status simplify_as_it_is(levels_job *job, const bvx_mesh_view *welded
 static bvx_status repair_surface(levels_job *job, int32_t resolution, bvx_mesh *surface)
 {
     const bvx_levels_options *const o = job->options;
-    int32_t const type = o->position_type != 0 ? o->position_type : BVX_F32;
     bvx_repair_options r;
-    bvx_status status;
 
     bvx_repair_options_init(&r, sizeof r);
     r.lattice = o->lattice;
@@ -272,16 +269,10 @@ static bvx_status repair_surface(levels_job *job, int32_t resolution, bvx_mesh *
     r.least_part = o->least_part;
     r.keep_crumbs = o->least_part != 0;
     r.least_cavity = o->outer ? UINT64_MAX : o->least_cavity;
-    r.position_type = type;
+    r.position_type = o->position_type;
     if (o->report != NULL) r.report = &job->report.repair;
 
-    /* Far from the origin floats are too coarse: doubles where nobody asked for floats. */
-    status = bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface);
-    if (status == BVX_ERR_RANGE && o->position_type == 0) {
-        r.position_type = BVX_F64;
-        status = bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface);
-    }
-    return status;
+    return bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface);
 }
 
 static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
@@ -451,7 +442,7 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->error_kind = o->error_kind;
     c->strict = o->strict;
     c->measure_samples = o->measure_samples;
-    c->collapse.position_type = o->position_type != 0 ? o->position_type : (int32_t)job->mesh->position_type;
+    c->collapse.position_type = o->position_type != BVX_POSITION_AUTO ? o->position_type : (int32_t)job->mesh->position_type;
     c->collapse.even = o->even;
     c->collapse.lenient = o->source == BVX_LEVELS_MESH;
     c->count = level_count;

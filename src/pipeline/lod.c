@@ -29,6 +29,7 @@ typedef struct lod_job {
     const bvx_lod_options *options;
     uint64_t level;
     uint64_t searched;
+    int32_t position_type; /* of the level: BVX_F64 once one of the resolutions tried needed it */
 } lod_job;
 
 /* ---- what is asked for ---- */
@@ -94,7 +95,7 @@ typedef struct level_work {
 } level_work;
 
 /* Sample and count; close_level in any case. */
-static bvx_status open_level(bvx_context *ctx, const lod_job *job, int32_t resolution, int count_only, level_work *w)
+static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution, int count_only, level_work *w)
 {
     const bvx_lod_options *const o = job->options;
     bvx_extract_options extract;
@@ -107,11 +108,13 @@ static bvx_status open_level(bvx_context *ctx, const lod_job *job, int32_t resol
     else BVXI_TRY(bvxi_coverage_sample(ctx, &w->samples, !count_only));
     bvx_extract_options_init(&extract, sizeof extract);
     extract.face_rule = o->face_rule;
-    extract.position_type = o->position_type;
+    extract.position_type = job->position_type;
     extract.local_frame = o->local_frame;
     w->march.ratio = o->method == BVX_LOD_EDGE_RATIO ? bvxi_extended_ratio : bvxi_coverage_ratio;
     w->march.ratio_user = &w->samples;
-    return bvxi_march_open(ctx, &w->march, &w->samples.coarse, &extract);
+    BVXI_TRY(bvxi_march_open(ctx, &w->march, &w->samples.coarse, &extract));
+    if (w->march.options.position_type == BVX_F64) job->position_type = BVX_F64;
+    return BVX_OK;
 }
 
 static void close_level(bvx_context *ctx, level_work *w)
@@ -170,8 +173,8 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
 /* Extract into scratch, with the positions that the level will have; collapse to the target. */
 static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_march *march, bvx_mesh *mesh)
 {
-    uint64_t const vertex_bytes = job->options->position_type == BVX_F64 ? 24 : 12;
-    bvx_mesh fine = {.position_type = job->options->position_type,
+    uint64_t const vertex_bytes = march->options.position_type == BVX_F64 ? 24 : 12;
+    bvx_mesh fine = {.position_type = march->options.position_type,
                      .vertex_capacity = march->vertex_count,
                      .triangle_capacity = march->triangle_count};
     bvx_status status;
@@ -186,7 +189,7 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
     return status;
 }
 
-static bvx_status make_lod(bvx_context *ctx, const lod_job *job, int32_t resolution, bvx_mesh *mesh)
+static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, bvx_mesh *mesh)
 {
     level_work w;
     bvx_status status = open_level(ctx, job, resolution, 0, &w);
@@ -286,6 +289,7 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
     job.options = &o;
     for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++) {
         int32_t resolution = o.resolutions != NULL ? o.resolutions[job.level] : 0;
+        job.position_type = o.position_type;
         if (o.target_triangles != NULL) status = search_resolution(context, &job, &resolution);
         if (status == BVX_OK) status = make_lod(context, &job, resolution, &levels[job.level]);
     }

@@ -5,6 +5,7 @@
  * open sides and keys, merge into the whole's bytes.
  * Guarantee: the bytes of bvx_extract_surface on all of it. */
 #include "mesh/mesh.h"
+#include "surface/march.h"
 #include "refine/octree.h"
 
 static const char octree_mesh_name[] = "bvx_extract_octree";
@@ -73,6 +74,20 @@ static bvx_status extract_block(octree_mesh_job *job, const int32_t b[3])
     return status;
 }
 
+/* Positions are doubles in all blocks when one of them needs it. */
+static void choose_for_block(octree_mesh_job *job, const int32_t b[3])
+{
+    static const double local_origin[3] = {0, 0, 0};
+    bvx_grid grid = {.lattice = job->tree->lattice};
+    bvx_window w;
+
+    if (job->options.position_type != BVX_POSITION_AUTO) return;
+    block_window(job, b, &w);
+    memcpy(grid.low, w.low, sizeof grid.low);
+    memcpy(grid.size, w.size, sizeof grid.size);
+    if (!bvxi_fits_f32(&grid, job->options.local_frame ? local_origin : grid.lattice.origin)) job->options.position_type = BVX_F64;
+}
+
 /* Count the blocks (part NULL), or extract them. */
 static bvx_status visit_block(octree_mesh_job *job, const int32_t b[3])
 {
@@ -81,6 +96,7 @@ static bvx_status visit_block(octree_mesh_job *job, const int32_t b[3])
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, job->part == NULL ? 1.0 : 0.1, block_may_hold(job, b, &holds)));
     if (!holds) return BVX_OK;
     if (job->part != NULL) return BVXI_SHARE(job->ctx, 0.1, 1.0, extract_block(job, b));
+    choose_for_block(job, b);
     job->room++;
     return BVX_OK;
 }
@@ -128,6 +144,7 @@ static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
     bvx_status status;
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, visit_blocks(job)));
     if (job->room > 0) {
+        if (job->options.position_type == BVX_POSITION_AUTO) job->options.position_type = BVX_F32;
         BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->room * sizeof *job->part, "the blocks' surfaces", &job->part));
         status = BVXI_SHARE(job->ctx, 0.05, 0.4, visit_blocks(job));
     } else {

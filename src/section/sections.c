@@ -44,7 +44,7 @@ static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_opt
     BVXI_TRY(check_range(ctx, "depth", o->depth, 0, BVXI_SECTION_DEEPEST));
     BVXI_TRY(check_range(ctx, "nesting", o->nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE));
     BVXI_TRY(check_range(ctx, "mend", o->mend, 0, 1));
-    BVXI_TRY(check_range(ctx, "position_type", o->position_type, BVX_F32, BVX_F64));
+    BVXI_TRY(bvxi_check_position_type(ctx, sections_name, o->position_type));
     if (o->grid[0] != 0 || o->grid[1] != 0) {
         BVXI_TRY(check_range(ctx, "grid[0]", o->grid[0], 2, 8192));
         BVXI_TRY(check_range(ctx, "grid[1]", o->grid[1], 2, 8192));
@@ -207,6 +207,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     bvx_sections_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
     BVXI_TRY(check_section_options(context, &o));
+    if (o.position_type == BVX_POSITION_AUTO) o.position_type = BVX_F64;
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
     status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, &o, &mended, &stack));

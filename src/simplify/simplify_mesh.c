@@ -1,4 +1,5 @@
 /* simplify_mesh.c - levels of a mesh as it is, with its borders where it has some: bvx_mesh_simplify. */
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "mesh/weld.h"
 #include "simplify/levels.h"
@@ -47,9 +48,7 @@ bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mes
 
 static bvx_status check_simplify_options(bvx_context *ctx, const bvx_simplify_options *o)
 {
-    if (o->position_type != 0 && o->position_type != BVX_F32 && o->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither 0, BVX_F32 nor BVX_F64",
-                         simplify_name, (int64_t)o->position_type);
+    BVXI_TRY(bvxi_check_position_type(ctx, simplify_name, o->position_type));
     if (o->open < BVX_OPEN_SHELL || o->open > BVX_OPEN_CUT)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: open %d is unknown", simplify_name, (int64_t)o->open);
     if ((o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
@@ -99,7 +98,7 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     chain.error_kind = o.error_kind;
     chain.strict = o.strict;
     chain.measure_samples = o.measure_samples;
-    chain.collapse.position_type = o.position_type != 0 ? o.position_type : (int32_t)mesh->position_type;
+    chain.collapse.position_type = o.position_type != BVX_POSITION_AUTO ? o.position_type : (int32_t)mesh->position_type;
     chain.collapse.even = o.even;
     chain.collapse.lenient = 1;
     chain.count = level_count;

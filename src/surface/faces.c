@@ -210,9 +210,7 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
     BVXI_TRY(bvxi_take_options(ctx, f->function, given, &f->options, sizeof f->options));
     BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
     BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
-    if (o->position_type != BVX_F32 && o->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither BVX_F32 nor BVX_F64", f->function,
-                         (int64_t)o->position_type);
+    BVXI_TRY(bvxi_check_position_type(ctx, f->function, o->position_type));
     if ((o->merged & ~1) != 0 || (o->local_frame & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: merged and local_frame are 0 or 1", f->function);
     if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", f->function);
@@ -221,7 +219,7 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
         f->spacing[a] = grid->lattice.spacing[a];
         f->origin[a] = o->local_frame ? 0.0 : grid->lattice.origin[a];
     }
-    return o->position_type == BVX_F32 ? bvxi_check_f32(ctx, f->function, grid, f->origin) : BVX_OK;
+    return bvxi_choose_position_type(ctx, f->function, grid, f->origin, &f->options.position_type);
 }
 
 static bvx_status single_faces(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)

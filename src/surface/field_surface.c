@@ -50,17 +50,26 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
-static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f, const bvx_field_surface_options *o)
+/* Doubles, where they are taken, must tell neighbouring positions apart. */
+static bvx_status check_doubles(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_field_surface_options *o)
 {
     static const double local_origin[3] = {0, 0, 0};
+    const double *const origin = o->local_frame ? local_origin : grid->lattice.origin;
+
+    if (o->position_type == BVX_F32) return BVX_OK;
+    if (o->position_type == BVX_POSITION_AUTO && bvxi_fits_f32(grid, origin)) return BVX_OK;
+    return bvxi_check_f64(ctx, function, grid, origin);
+}
+
+static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f, const bvx_field_surface_options *o)
+{
     int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) || o->sharp;
     for (uint64_t i = 0; i < 4; i++)
         if (f->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.reserved[%u] is not zero", function, i);
     if (f->sign == BVX_SIGN_NONE || f->inside.words == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no inside; measure it with a sign", function);
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));
-    if (o->position_type == BVX_F64) BVXI_TRY(bvxi_check_f64(ctx, function, &f->inside,
-                                                                 o->local_frame ? local_origin : f->inside.lattice.origin));
+    BVXI_TRY(check_doubles(ctx, function, &f->inside, o));
     if (o->interpolation == BVX_EDGE_MIDDLE && !o->sharp) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));
     if (!bvxi_lattice_equal(&f->band.lattice, &f->inside.lattice) || memcmp(f->band.low, f->inside.low, sizeof f->band.low) != 0 ||

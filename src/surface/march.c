@@ -10,6 +10,10 @@
 
 enum { SLOT_GRAIN = 64 };
 
+/* f32 holds coordinates up to the one, and tells neighbours apart where it has this many steps a voxel. */
+#define FLOAT_LIMIT 3.0e38
+#define FLOAT_STEPS 256.0
+
 static const bvx_extract_options extract_defaults = {0, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, 0};
 
 void bvx_extract_options_init(bvx_extract_options *options, size_t size)
@@ -21,9 +25,7 @@ static bvx_status check_extract_options(bvx_context *ctx, const char *function, 
 {
     if (o->face_rule != BVX_FACE_SEPARATE && o->face_rule != BVX_FACE_JOIN)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: face rule %d is unknown", function, (int64_t)o->face_rule);
-    if (o->position_type != BVX_F32 && o->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is neither BVX_F32 nor BVX_F64", function,
-                         (int64_t)o->position_type);
+    BVXI_TRY(bvxi_check_position_type(ctx, function, o->position_type));
     if (o->open_sides < 0 || o->open_sides > 63)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: open sides %d hold unknown bits", function, (int64_t)o->open_sides);
     if ((o->keys & ~1) != 0 || (o->local_frame & ~1) != 0)
@@ -36,32 +38,63 @@ static bvx_status check_extract_options(bvx_context *ctx, const char *function, 
     return BVX_OK;
 }
 
-bvx_status bvxi_check_f32(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3])
+/* The largest coordinate of a grid along an axis, without its sign. */
+static double farthest_coordinate(const bvx_grid *grid, const double origin[3], int32_t a)
+{
+    double const spacing = grid->lattice.spacing[a];
+    double const low = bvxi_absolute(origin[a] + grid->low[a] * spacing);
+    double const high = bvxi_absolute(origin[a] + ((double)grid->low[a] + grid->size[a]) * spacing);
+
+    return low > high ? low : high;
+}
+
+/* The step from one f32 to the next at a coordinate. */
+static double float_step(double coordinate)
+{
+    double step = 1.0 / 9007199254740992.0 / 9007199254740992.0 / 8796093022208.0; /* 2^-149, the least step of f32 */
+
+    while (step * 16777216.0 <= coordinate) step *= 2;
+    return step;
+}
+
+static bvx_status check_f32(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3])
 {
     for (int32_t a = 0; a < 3; a++) {
-        double const spacing = grid->lattice.spacing[a];
-        double const low = origin[a] + grid->low[a] * spacing;
-        double const high = origin[a] + ((double)grid->low[a] + grid->size[a]) * spacing;
-        double const most = (low < 0 ? -low : low) > (high < 0 ? -high : high) ? (low < 0 ? -low : low) : (high < 0 ? -high : high);
-        double step = 1.0 / 9007199254740992.0 / 9007199254740992.0 / 8796093022208.0; /* 2^-149, the least step of f32 */
-        if (!(most < 3.0e38))
+        double const spacing = grid->lattice.spacing[a], most = farthest_coordinate(grid, origin, a);
+
+        if (!(most < FLOAT_LIMIT))
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: coordinates up to %g do not fit f32; take f64 or a local frame",
                              function, most);
-        while (step * 16777216.0 <= most) step *= 2;
-        if (step > spacing / 256.0)
+        if (float_step(most) > spacing / FLOAT_STEPS)
             return bvxi_fail(ctx, BVX_ERR_RANGE,
                              "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame", function,
-                             most, step, spacing);
+                             most, float_step(most), spacing);
     }
+    return BVX_OK;
+}
+
+int bvxi_fits_f32(const bvx_grid *grid, const double origin[3])
+{
+    for (int32_t a = 0; a < 3; a++) {
+        double const most = farthest_coordinate(grid, origin, a);
+
+        if (!(most < FLOAT_LIMIT) || float_step(most) > grid->lattice.spacing[a] / FLOAT_STEPS) return 0;
+    }
+    return 1;
+}
+
+bvx_status bvxi_choose_position_type(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3],
+                                     int32_t *position_type)
+{
+    if (*position_type == BVX_F32) return check_f32(ctx, function, grid, origin);
+    if (*position_type == BVX_POSITION_AUTO) *position_type = bvxi_fits_f32(grid, origin) ? BVX_F32 : BVX_F64;
     return BVX_OK;
 }
 
 bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3])
 {
     for (int32_t a = 0; a < 3; a++) {
-        double const spacing = grid->lattice.spacing[a];
-        double const low = origin[a] + grid->low[a] * spacing, high = origin[a] + ((double)grid->low[a] + grid->size[a]) * spacing;
-        double const most = (low < 0 ? -low : low) > (high < 0 ? -high : high) ? (low < 0 ? -low : low) : (high < 0 ? -high : high);
+        double const spacing = grid->lattice.spacing[a], most = farthest_coordinate(grid, origin, a);
         if (!(most <= spacing * 17592186044416.0)) /* 2^44, so that 2^-53 of it is 1/512 of a voxel */
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: at %g doubles are too coarse for voxels of %g; take a local frame", function,
                              most, spacing);
@@ -134,7 +167,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
         m->spacing[a] = grid->lattice.spacing[a];
         m->origin[a] = options->local_frame ? 0.0 : grid->lattice.origin[a];
     }
-    if (options->position_type == BVX_F32) BVXI_TRY(bvxi_check_f32(ctx, m->function, grid, m->origin));
+    BVXI_TRY(bvxi_choose_position_type(ctx, m->function, grid, m->origin, &m->options.position_type));
     choose_cells(m);
     m->slot_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);

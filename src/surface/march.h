@@ -52,8 +52,11 @@ typedef struct bvxi_march {
     bvx_mesh *mesh;
 } bvxi_march;
 
-/* Refuse f32 where its steps at the grid's largest coordinate exceed 1/256 of a voxel. */
-bvx_status bvxi_check_f32(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3]);
+/* 1 where steps of f32 at the grid's largest coordinate are at most 1/256 of a voxel. */
+int bvxi_fits_f32(const bvx_grid *grid, const double origin[3]);
+/* BVX_POSITION_AUTO becomes BVX_F32 where it fits, else BVX_F64; BVX_F32 is refused where it does not fit. */
+bvx_status bvxi_choose_position_type(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3],
+                                     int32_t *position_type);
 /* Doubles that could not tell neighbouring places apart. */
 bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3]);
 /* Check, choose cells, count: after success the counts and slots stand. bvxi_march_close in any case. */

@@ -429,7 +429,7 @@ static void test_refusals(void)
     refuse(0, &o, BVX_ERR_ARGUMENT, "interpolation");
     o = with(16), o.face_rule = 2;
     refuse(0, &o, BVX_ERR_ARGUMENT, "face rule");
-    o = with(16), o.position_type = 0;
+    o = with(16), o.position_type = 3;
     refuse(0, &o, BVX_ERR_ARGUMENT, "position type");
     o = with(16), o.sharp = 2;
     refuse(0, &o, BVX_ERR_ARGUMENT, "sharp");

@@ -51,7 +51,7 @@ static void test_wrong_options_are_refused(void)
     bad = o, bad.interpolation = 5, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "interpolation");
     bad = o, bad.interpolation = -1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "interpolation");
     bad = o, bad.face_rule = 2, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "face rule");
-    bad = o, bad.position_type = 0, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "position type");
+    bad = o, bad.position_type = 3, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "position type");
     bad = o, bad.local_frame = 2, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "local_frame");
     bad = o, bad.sharp = -1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "sharp");
     bad = o, bad.reserved = 1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "reserved");

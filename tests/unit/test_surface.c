@@ -658,8 +658,10 @@ static void test_refusals_of_arguments(void)
     o.face_rule = -1;
     assert_refused(BVX_ERR_ARGUMENT, &o, "face rule -1");
     o = extract_options();
-    o.position_type = 0;
-    assert_refused(BVX_ERR_ARGUMENT, &o, "position type 0");
+    o.position_type = 3;
+    assert_refused(BVX_ERR_ARGUMENT, &o, "position type 3");
+    o.position_type = -1;
+    assert_refused(BVX_ERR_ARGUMENT, &o, "position type -1");
     o = extract_options();
     o.open_sides = 64;
     assert_refused(BVX_ERR_ARGUMENT, &o, "open sides 64");

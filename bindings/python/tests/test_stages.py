@@ -206,6 +206,19 @@ def test_lod(knot):
         bitvox.lod(knot.vertices[knot.faces], levels=8)
 
 
+def test_positions_are_doubles_only_where_floats_are_too_coarse():
+    cube = np.zeros((32, 32, 32), bool)
+    cube[4:28, 4:28, 4:28] = True
+    grid = bitvox.Grid.from_numpy(cube, spacing=1 / 16, corner=(0, 4096, 0))
+    fine, coarse = bitvox.lod(grid, levels=(32, 4))
+    assert fine.vertices.dtype == np.float64 and coarse.vertices.dtype == np.float32
+    for made, counts in ((bitvox.surface(grid), bitvox.surface_counts(grid)), (bitvox.faces(grid), bitvox.faces_counts(grid))):
+        assert made.vertices.dtype == np.float64 and (made.n_vertices, made.n_faces) == counts
+    with pytest.raises(bitvox.RangeError, match="too coarse"):
+        bitvox.surface(grid, dtype="float32")
+    assert bitvox.surface(grid, local_frame=True).vertices.dtype == np.float32
+
+
 def test_compare_meshes(ball):
     moved = bitvox.Mesh(ball.vertices + np.float32(0.01), ball.faces)
     found = bitvox.compare(ball, moved, samples=2000)

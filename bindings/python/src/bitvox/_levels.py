@@ -239,7 +239,7 @@ def _set_common(options: Any, even: float | None, strict: bool, error: Any, samp
         options.even = float(even)
     options.strict = int(bool(strict))
     options.measure_samples = in_range("samples", samples, 0, 2**31 - 1)
-    options.position_type = 0 if dtype is None else position_type(dtype)
+    options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
 
 
 # ---- levels of any mesh ----
@@ -516,12 +516,8 @@ def _set_levels(options: Any, levels: Any, triangles: Any) -> tuple[int, int, An
 
 def _build_levels(solid: Grid, options: Any, count: int, dtype: Any, limits: dict[str, Any]) -> list[Any]:
     """The levels as bvx_meshes of their own."""
-    options.position_type = lib.BVX_F32 if dtype is None else position_type(dtype)
+    options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
     with Run(**limits) as run:
         array = ffi.new("bvx_mesh[]", count)
-        status = lib.bvx_build_lods(run.context, solid._c, options, count, array)
-        if dtype is None and status == lib.BVX_ERR_RANGE and "take f64" in run.message():
-            options.position_type = lib.BVX_F64
-            status = lib.bvx_build_lods(run.context, solid._c, options, count, array)
-        run.check(status)
+        run.check(lib.bvx_build_lods(run.context, solid._c, options, count, array))
     return _take(array, count)

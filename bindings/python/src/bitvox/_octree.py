@@ -177,14 +177,9 @@ class Octree:
 def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
     """A mesh in the type asked for; None: float32, or float64 where float32 cannot tell neighbouring positions apart."""
     with Run(**limits) as run:
-        options.position_type = lib.BVX_F32 if dtype is None else position_type(dtype)
+        options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
         made = new_mesh()
-        status = make(run, made)
-        if dtype is None and status == lib.BVX_ERR_RANGE and "take f64" in run.message():
-            options.position_type = lib.BVX_F64
-            made = new_mesh()
-            status = make(run, made)
-        run.check(status)
+        run.check(make(run, made))
     return Mesh._made(made)
 
 

@@ -285,6 +285,7 @@ def faces_counts(grid: Grid, *, merge: bool = False) -> tuple[int, int]:
 
 def _counts(count: Any, grid: Any, kind: str, prepare: Any) -> tuple[int, int]:
     options, vertices, triangles = options_of(kind), ffi.new("uint64_t *"), ffi.new("uint64_t *")
+    options.position_type = lib.BVX_POSITION_AUTO
     prepare(options)
     with Run() as run:
         run.check(count(run.context, grid_of(grid)._c, options, vertices, triangles))
