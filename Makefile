@@ -35,6 +35,11 @@ clean: ## remove everything that was built
 
 ifneq ($(filter-out help clean,$(or $(MAKECMDGOALS),all)),)
 
+# As many jobs as processors; a -j on the command line or another make's jobs win, and make clean all goes one by one.
+ifeq ($(MAKELEVEL)$(filter clean,$(MAKECMDGOALS)),0)
+MAKEFLAGS += -j$(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
+endif
+
 # ---- What this compiler can do ----
 
 comma := ,
@@ -139,7 +144,8 @@ $(folder)/bitvox: $(cli_objects) $(archive)
 $(folder)/src/%: errors = -Werror
 $(folder)/src/%: flags = $(CORE_FLAGS)
 $(folder)/src/core/threads.o $(folder)/src/core/processors.o: flags = $(workers) $(CORE_FLAGS)
-$(folder)/src/cli/%: flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads)
+# The program's own code waits for files and the library: not worth a slow build.
+$(folder)/src/cli/%: flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads) $(if $(filter -O3,$(CFLAGS)),-O1)
 
 $(folder)/%.o: %.c
 	@mkdir -p $(@D)
@@ -255,7 +261,7 @@ amalgamation: ## build/bitvox.c and build/bitvox.h: the library as one source fi
 environment = MAKE_COMMAND='$(MAKE_COMMAND)' $(foreach v,BUILD UNITY_DIR CC CPPFLAGS CFLAGS LDFLAGS OPENMP THREADS ZLIB,\
     $(v)=$(call quote,$($(v))))
 
-demo: all ## a chain of meshes from a bundled fixture, with a table and a picture
+demo: program ## a chain of meshes from a bundled fixture, with a table and a picture
 	@mkdir -p $(BUILD)/demo
 	$(BUILD)/bitvox lod $(DEMO) -o $(BUILD)/demo/level_%d.ply
 	$(BUILD)/bitvox render $(DEMO) $(BUILD)/demo/level_*.ply -o $(BUILD)/demo/levels.png --from 1,-2,3

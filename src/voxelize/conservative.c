@@ -57,24 +57,25 @@ BVXI_VECTOR_INLINE void centre_corners(const bvxi_surface_job *job, touch_work *
 {
     const uint16_t *const list = w->list[shape];
     int32_t const f = job->fraction_bits, from_low = thirds ? (3 << f) >> 1 : 1 << f;
-    for (uint32_t i = 0; i < w->count[shape]; i++) {
-        uint32_t const m = list[i];
-        for (int a = 0; a < 3; a++) {
-            if ((axes >> a & 1) == 0) continue;
+
+    for (int a = 0; a < 3; a++) {
+        if ((axes >> a & 1) == 0) continue;
+        for (uint32_t i = 0; i < w->count[shape]; i++) {
+            uint32_t const m = list[i];
             int32_t const middle = w->batch.low[a][m] * (1 << f) + from_low;
+
             for (int c = 0; c < 3; c++) w->corner[c][a][i] = (double)(w->batch.p[c][a][m] - middle);
         }
     }
 }
 
-BVXI_VECTOR_INLINE void judge_projection(touch_work *w, uint32_t n, int u, int v, int thirds, double side, int first)
+BVXI_VECTOR_INLINE void judge_projection(touch_work *w, uint32_t n, int u, int v, int thirds, double side)
 {
     for (uint32_t i = 0; i < n; i++) {
         double const a[3] = {w->corner[0][0][i], w->corner[0][1][i], w->corner[0][2][i]};
         double const b[3] = {w->corner[1][0][i], w->corner[1][1][i], w->corner[1][2][i]};
         double const c[3] = {w->corner[2][0][i], w->corner[2][1][i], w->corner[2][2][i]};
-        int64_t const missed = thirds ? bvxi_projection_cells(a, b, c, u, v, side) : bvxi_projection_octants(a, b, c, u, v);
-        w->missed[i] = missed | (first ? 0 : w->missed[i]);
+        w->missed[i] |= thirds ? bvxi_projection_cells(a, b, c, u, v, side) : bvxi_projection_octants(a, b, c, u, v);
     }
 }
 
@@ -171,19 +172,28 @@ static inline uint32_t whole_box(const bvxi_touch_batch *b, uint32_t m, int thir
                   : (uint32_t)octants_along[0][x] & octants_along[1][y] & octants_along[2][z];
 }
 
-/* Octants or cells that the triangles of a shape touch. */
-BVXI_VECTOR_INLINE void judge_shape(const bvxi_surface_job *job, touch_work *w, int shape, int thirds, int axes)
+/* Octants or cells that triangles touch whose boxes are thick along two axes or three. The axes are not constants here:
+ * each test is long code, made once for boxes of two voxels and once for three. */
+BVXI_VECTOR_INLINE void judge_thick_boxes(const bvxi_surface_job *job, touch_work *w, int first_shape, int thirds)
 {
-    uint32_t const n = w->count[shape];
+    static const int axes_of[4] = {3, 5, 6, 7};
     double const side = (double)(1 << job->fraction_bits);
-    centre_corners(job, w, shape, thirds, axes);
-    if ((axes & 3) == 3) judge_projection(w, n, 0, 1, thirds, side, 1);
-    if ((axes & 5) == 5) judge_projection(w, n, 0, 2, thirds, side, axes == 5);
-    if ((axes & 6) == 6) judge_projection(w, n, 1, 2, thirds, side, axes == 6);
-    if (axes == 7) judge_plane(w, n, thirds, side);
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t const m = w->list[shape][i];
-        w->hit[m] = whole_box(&w->batch, m, thirds) & ~(uint32_t)w->missed[i];
+
+    for (int s = 0; s < 4; s++) {
+        int const shape = first_shape + s, axes = axes_of[s];
+        uint32_t const n = w->count[shape];
+
+        centre_corners(job, w, shape, thirds, axes);
+        memset(w->missed, 0, n * sizeof *w->missed);
+        if ((axes & 3) == 3) judge_projection(w, n, 0, 1, thirds, side);
+        if ((axes & 5) == 5) judge_projection(w, n, 0, 2, thirds, side);
+        if ((axes & 6) == 6) judge_projection(w, n, 1, 2, thirds, side);
+        if (axes == 7) judge_plane(w, n, thirds, side);
+
+        for (uint32_t i = 0; i < n; i++) {
+            uint32_t const m = w->list[shape][i];
+            w->hit[m] = whole_box(&w->batch, m, thirds) & ~(uint32_t)w->missed[i];
+        }
     }
 }
 
@@ -226,14 +236,8 @@ BVXI_VECTOR_INLINE void touch_all(const touch_place *place, const uint32_t *id, 
         bvxi_batch_boxes(&w.batch, n, job->fraction_bits, -1, 0);
         list_by_shape(&w, n);
         hit_small_boxes(&w);
-        judge_shape(job, &w, TOUCH_TWO_XY, 0, 3);
-        judge_shape(job, &w, TOUCH_TWO_XZ, 0, 5);
-        judge_shape(job, &w, TOUCH_TWO_YZ, 0, 6);
-        judge_shape(job, &w, TOUCH_TWO_XYZ, 0, 7);
-        judge_shape(job, &w, TOUCH_THREE_XY, 1, 3);
-        judge_shape(job, &w, TOUCH_THREE_XZ, 1, 5);
-        judge_shape(job, &w, TOUCH_THREE_YZ, 1, 6);
-        judge_shape(job, &w, TOUCH_THREE_XYZ, 1, 7);
+        judge_thick_boxes(job, &w, TOUCH_TWO_XY, 0);
+        judge_thick_boxes(job, &w, TOUCH_THREE_XY, 1);
         if (job->task == BVXI_TOUCH_SET) write_by_shape(place, &w);
         else write_in_order(place, &w, n);
     }
