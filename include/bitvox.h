@@ -80,6 +80,38 @@ enum {
 /** The fixed text of a status; "unknown status" for any other number. Never NULL. */
 BVX_API const char *bvx_status_text(bvx_status status);
 
+/** Why a call failed, as far as programs may want to know: the reason, its number (frozen) and its text. */
+#define BVX_REASON_LIST(X)                                                                                       \
+    X(BVX_REASON_NONE, 0, "no call has failed")                                                                  \
+    X(BVX_REASON_UNSPECIFIED, 1, "the status and the message say it")                                            \
+    X(BVX_REASON_NULL, 2, "an argument is NULL")                                                                 \
+    X(BVX_REASON_RESERVED, 3, "a reserved field is not 0")                                                       \
+    X(BVX_REASON_OPTIONS, 4, "an option struct has no valid size or sets what the library does not know")        \
+    X(BVX_REASON_CHOICE, 5, "a number does not name one of the choices that there are")                          \
+    X(BVX_REASON_MEMORY, 6, "the allocator returned nothing")                                                    \
+    X(BVX_REASON_BUDGET, 7, "the memory limit does not allow it")                                                \
+    X(BVX_REASON_CAPACITY, 8, "an array given by the caller is too small")                                       \
+    X(BVX_REASON_LATTICE, 9, "the grids do not share one lattice or window")                                     \
+    X(BVX_REASON_CANCELLED, 10, "the progress callback asked to stop")                                           \
+    X(BVX_REASON_NOT_FINITE, 11, "a number is NaN or infinite")                                                  \
+    X(BVX_REASON_INDEX, 12, "an index is beyond what it counts in")                                              \
+    X(BVX_REASON_FLOATS_COARSE, 13, "f32 cannot tell neighbouring positions apart; BVX_POSITION_AUTO takes f64") \
+    X(BVX_REASON_DOUBLES_COARSE, 14, "doubles cannot tell neighbouring positions apart; a local frame can")      \
+    X(BVX_REASON_SEVERAL_BODIES, 15, "the sections hold several bodies and no label chooses one")                \
+    X(BVX_REASON_LOOPS_MEET, 16, "loops of a section cross or touch; mending splits them there")                 \
+    X(BVX_REASON_LOOP_FLAT, 17, "a loop encloses no area; mending leaves it out")                                \
+    X(BVX_REASON_COMPRESSED, 18, "samples are compressed and nothing was given to unpack them")
+
+enum {
+#define BVX_REASON_ENUM(name, value, text) name = value,
+    BVX_REASON_LIST(BVX_REASON_ENUM)
+#undef BVX_REASON_ENUM
+    BVX_REASON_COUNT = 19
+};
+
+/** The fixed text of a reason; "unknown reason" for any other number. Never NULL. */
+BVX_API const char *bvx_reason_text(int32_t reason);
+
 /** The library's version, made like BVX_VERSION. */
 BVX_API int32_t bvx_version(void);
 
@@ -151,8 +183,25 @@ BVX_API const char *bvx_arithmetic_fault(void);
  *  end here. NULL is allowed. */
 BVX_API void bvx_context_destroy(bvx_context *context);
 
-/** What went wrong in the last call that failed, in one line; "" when none did. Valid until the next call. */
+/** What went wrong in the last call that failed, in one line, for people; "" when none did. Valid until the next call. */
 BVX_API const char *bvx_last_message(const bvx_context *context);
+
+/** The last failure in parts, for callers that decide by it: nobody needs to read messages. It belongs to the library, which may
+ *  append fields. */
+typedef struct bvx_error {
+    bvx_status status;     /**< BVX_OK: no call has failed */
+    int32_t reason;        /**< BVX_REASON_...; BVX_REASON_UNSPECIFIED where none is listed */
+    const char *function;  /**< the public function that was called; "" when none failed */
+    const char *message;   /**< as bvx_last_message returns it */
+    const char *text;      /**< the message without the function's name in front */
+    int64_t index;         /**< of the vertex, triangle, level, loop ... that the message names first; -1: it names none */
+    int32_t value_count;   /**< [Limit: 0..8] */
+    int32_t reserved;
+    double value[8];       /**< the message's numbers in their order, the index too; rounded where doubles do not hold them */
+} bvx_error;
+
+/** Why the last call that failed did so. Never NULL. Valid until the next call. Cost: O(1). */
+BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
 
 /** Bytes now held, results included, and the most ever held since creation or the last reset. */
 BVX_API uint64_t bvx_memory_used(const bvx_context *context);
@@ -1816,7 +1865,7 @@ typedef struct bvx_lod_options {
     int32_t face_rule;                 /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
     int32_t position_type;             /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
     int32_t local_frame;               /**< 1: positions relative to the grid's low corner, which goes to frame [Default: 0] */
-    int32_t reserved;
+    int32_t first_level;               /**< number of levels[0] in messages, where a chain is made one level a call [Limit: >= 0] [Default: 0] */
     double collapse;                   /**< target_triangles only: make the level with up to this many times its target, then
                                             collapse the edges that cost least [Limit: 0, or 1..64] [Default: 0, no collapse] */
     bvx_lod_report *reports;           /**< [Size: level_count] filled when not NULL [Default: NULL] */

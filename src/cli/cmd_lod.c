@@ -97,13 +97,14 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     else l.resolutions = &resolution;
     l.source_triangles = c->input_triangles;
     l.reports = &c->lod[i];
+    l.first_level = i;
     cli_stage_begin(run, "level %d", i);
     status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
     entry->milliseconds = cli_stage_end(run) * 1e3;
     if (status != BVX_OK) {
         char about[32];
         snprintf(about, sizeof about, "level %d", i);
-        return cli_fail_status(run, status, about);
+        return cli_fail_status(run, status, bvx_last_error(run->context)->index == i ? NULL : about); /* the message names it */
     }
     if (o->carry) {
         cli_stage_begin(run, "carry %d", i);

@@ -46,12 +46,6 @@ static int check_sections_options(cli_run *run)
     return CLI_DONE;
 }
 
-static int is_meeting(const char *message)
-{
-    return strstr(message, "crosses or touches") != NULL || strstr(message, "cross or touch") != NULL ||
-           strstr(message, "encloses no area") != NULL || strstr(message, "a loop needs three") != NULL;
-}
-
 static int build_body(cli_run *run, sections_job *job)
 {
     const cli_options *const o = &run->options;
@@ -59,6 +53,7 @@ static int build_body(cli_run *run, sections_job *job)
     bvx_sections_options s;
     bvx_mesh_view view;
     bvx_status status;
+    int32_t reason;
     bvx_sections_options_init(&s, sizeof s);
     if (cli_given(run, "--grid"))
         for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)o->size.value[k];
@@ -74,9 +69,10 @@ static int build_body(cli_run *run, sections_job *job)
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
     job->seconds = cli_stage_end(run);
-    if (status == BVX_ERR_ARGUMENT && strstr(bvx_last_message(run->context), "choose one by its label") != NULL)
+    reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
+    if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label", cli_input_name(o->input[0]));
-    if ((status == BVX_ERR_FORMAT || status == BVX_ERR_EMPTY) && !o->mend && is_meeting(bvx_last_message(run->context)))
+    if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !o->mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]), "; --mend splits loops there");
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     bvx_mesh_view_of(&job->mesh, &view);

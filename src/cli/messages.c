@@ -94,13 +94,6 @@ static const char *status_name(bvx_status status)
     }
 }
 
-/* Messages of the library begin with the function's name, which helps its callers and nobody here. */
-static const char *without_function(const char *message)
-{
-    const char *const colon = strstr(message, ": ");
-    return strncmp(message, "bvx_", 4) == 0 && colon != NULL ? colon + 2 : message;
-}
-
 int cli_fail_status(cli_run *run, bvx_status status, const char *about)
 {
     return cli_fail_advised(run, status, about, "");
@@ -109,10 +102,8 @@ int cli_fail_status(cli_run *run, bvx_status status, const char *about)
 int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice)
 {
     char text[sizeof run->report.error_message];
-    const char *message = run->context != NULL ? without_function(bvx_last_message(run->context)) : "";
+    const char *const message = run->context != NULL ? bvx_last_error(run->context)->text : "";
     if (status == BVX_CANCELLED) return cli_fail_interrupted(run);
-    if (about != NULL && strncmp(about, "level ", 6) == 0 && strncmp(message, "level 0", 7) == 0) /* about tells which: it was asked for alone */
-        message += message[7] == ',' || message[7] == ' ' ? 8 + (message[7] == ',') : 0;
     snprintf(text, sizeof text, "%s%s%s%s", about != NULL ? about : "", about != NULL ? ": " : "",
              message[0] != 0 ? message : bvx_status_text(status), advice);
     return tell_error(run, CLI_FAILED, status_name(status), text);

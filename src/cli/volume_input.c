@@ -301,7 +301,7 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
     cli_note_peak(run, (uint64_t)v->file.size + v->data.size);
     bvx_memory_reset_peak(run->context);
 #ifndef BVX_HAVE_ZLIB
-    if (read == BVX_ERR_UNSUPPORTED && strstr(bvx_last_message(run->context), "compressed samples") != NULL)
+    if (read == BVX_ERR_UNSUPPORTED && bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
         return cli_fail(run, "%s: gzip samples, which this build cannot unpack: it was made without zlib", cli_input_name(path));
 #endif
     if (read != BVX_OK) return cli_fail_status(run, read, cli_input_name(path));

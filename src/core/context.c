@@ -108,6 +108,9 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     c->progress = o.progress;
     c->progress_user = o.progress_user;
     c->share[0].high = 1.0;
+    c->error.function = "";
+    c->error.message = c->error.text = c->message;
+    c->error.index = -1;
     c->threads = threads;
     if (size > aligned_size(sizeof *c)) place_pool(c);
     c->cpu = choose_cpu(o.cpu);

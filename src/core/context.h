@@ -36,6 +36,8 @@ struct bvx_context {
     const char *stage;             /* reported last; the function's name before */
     double reached;                /* reported last */
     int32_t calls, shares;         /* public calls in each other; shares in the call's */
+    const char *function;          /* the outermost public one */
+    bvx_error error;               /* the last failure; its text points into message */
     char message[BVXI_MESSAGE_SIZE];
 };
 

@@ -65,10 +65,17 @@ bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, u
 
 /* ---- message.c ---- */
 
-/* Keep a message and return the status. Formats: %s text, %d int64_t (cast it), %u uint64_t (cast it), %g double, %%. */
+/* Keep a message and return the status. Formats: %s text, %d int64_t (cast it), %u uint64_t (cast it), %g double, %%, and %i uint64_t
+ * (cast it): the index of the element that is wrong, which bvx_last_error gives. */
 BVXI_COLD bvx_status bvxi_fail(bvx_context *ctx, bvx_status status, const char *format, ...);
+/* The same where callers may want to know why: reason is BVX_REASON_.... */
+BVXI_COLD bvx_status bvxi_fail_for(bvx_context *ctx, bvx_status status, int32_t reason, const char *format, ...);
+/* After a failure of a public function without BVXI_CALL, whose works may not know its name: that name. Returns the status. */
+BVXI_COLD bvx_status bvxi_fail_in(bvx_context *ctx, const char *function, bvx_status status);
 /* The usual refusals, so that they read the same everywhere. */
 BVXI_COLD bvx_status bvxi_fail_null(bvx_context *ctx, const char *function, const char *argument);
+/* owner stands before the field's name: "" for options, "mesh." and its like for other structs. */
+BVXI_COLD bvx_status bvxi_fail_reserved(bvx_context *ctx, const char *function, const char *owner);
 
 /* ---- decimal.c: correctly rounded, locale-free ---- */
 

@@ -1,4 +1,4 @@
-/* message.c - one line about what went wrong, formatted without stdio and without a locale. */
+/* message.c - what went wrong, in parts and in one line, formatted without stdio and without a locale. */
 #include "context.h"
 
 #include <stdarg.h>
@@ -6,7 +6,15 @@
 typedef struct message_line {
     char *text;
     size_t size, used;
+    bvx_error *error; /* receives the numbers */
 } message_line;
+
+static void message_keep(message_line *l, double value)
+{
+    bvx_error *const e = l->error;
+
+    if (e->value_count < (int32_t)(sizeof e->value / sizeof e->value[0])) e->value[e->value_count++] = value;
+}
 
 static void message_put(message_line *l, const char *text, size_t n)
 {
@@ -46,31 +54,128 @@ static void message_put_format(message_line *l, const char *format, va_list args
             int64_t const v = va_arg(args, int64_t);
             if (v < 0) message_put(l, "-", 1);
             message_put_unsigned(l, v < 0 ? 0 - (uint64_t)v : (uint64_t)v);
+            message_keep(l, (double)v);
             break;
         }
-        case 'u': message_put_unsigned(l, va_arg(args, uint64_t)); break;
-        case 'g': message_put(l, number, (size_t)bvxi_print_double(va_arg(args, double), number)); break;
+        case 'i':
+        case 'u': {
+            uint64_t const v = va_arg(args, uint64_t);
+            message_put_unsigned(l, v);
+            message_keep(l, (double)v);
+            if (*p == 'i') l->error->index = (int64_t)v;
+            break;
+        }
+        case 'g': {
+            double const v = va_arg(args, double);
+            message_put(l, number, (size_t)bvxi_print_double(v, number));
+            message_keep(l, v);
+            break;
+        }
         default: message_put(l, p, 1); break;
         }
     }
 }
 
+/* What a status says by itself. */
+static int32_t reason_of_status(bvx_status status)
+{
+    switch (status) {
+    case BVX_ERR_MEMORY: return BVX_REASON_MEMORY;
+    case BVX_ERR_BUDGET: return BVX_REASON_BUDGET;
+    case BVX_ERR_CAPACITY: return BVX_REASON_CAPACITY;
+    case BVX_ERR_LATTICE: return BVX_REASON_LATTICE;
+    case BVX_CANCELLED: return BVX_REASON_CANCELLED;
+    default: return BVX_REASON_UNSPECIFIED;
+    }
+}
+
+/* Behind "bvx_name: ", or behind "bvx_name, " where a message goes on with which argument it was. */
+static const char *behind_function(const char *message)
+{
+    const char *p = message;
+
+    if (p[0] != 'b' || p[1] != 'v' || p[2] != 'x' || p[3] != '_') return message;
+    while (*p == '_' || (*p >= 'a' && *p <= 'z') || (*p >= '0' && *p <= '9')) p++;
+    return (*p == ':' || *p == ',') && p[1] == ' ' ? p + 2 : message;
+}
+
+static bvx_status keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, const char *function, const char *format, va_list args)
+{
+    bvx_error *const e = &ctx->error;
+    message_line l = {ctx->message, sizeof ctx->message, 0, e};
+
+    e->status = status;
+    e->reason = reason;
+    e->index = -1;
+    e->value_count = 0;
+    message_put_format(&l, format, args);
+    e->text = behind_function(ctx->message);
+
+    /* Outside of a public call, as the few are that report no progress, the message knows whose it is. */
+    e->function = ctx->calls != 0 ? ctx->function : function;
+    return status;
+}
+
+/* The first argument of a format that begins with a function's name. */
+static const char *named_function(const char *format, va_list args)
+{
+    return format[0] == '%' && format[1] == 's' && format[2] == ':' ? va_arg(args, const char *) : "";
+}
+
 bvx_status bvxi_fail(bvx_context *ctx, bvx_status status, const char *format, ...)
 {
-    message_line l = {ctx->message, sizeof ctx->message, 0};
+    const char *function;
     va_list args;
+
     va_start(args, format);
-    message_put_format(&l, format, args);
+    function = named_function(format, args);
     va_end(args);
+    va_start(args, format);
+    keep_failure(ctx, status, reason_of_status(status), function, format, args);
+    va_end(args);
+    return status;
+}
+
+bvx_status bvxi_fail_for(bvx_context *ctx, bvx_status status, int32_t reason, const char *format, ...)
+{
+    const char *function;
+    va_list args;
+
+    va_start(args, format);
+    function = named_function(format, args);
+    va_end(args);
+    va_start(args, format);
+    keep_failure(ctx, status, reason, function, format, args);
+    va_end(args);
+    return status;
+}
+
+bvx_status bvxi_fail_in(bvx_context *ctx, const char *function, bvx_status status)
+{
+    if (ctx->calls == 0) ctx->error.function = function;
     return status;
 }
 
 bvx_status bvxi_fail_null(bvx_context *ctx, const char *function, const char *argument)
 {
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s is NULL", function, argument);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL, "%s: %s is NULL", function, argument);
+}
+
+bvx_status bvxi_fail_reserved(bvx_context *ctx, const char *function, const char *owner)
+{
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: %sreserved must be 0", function, owner);
 }
 
 const char *bvx_last_message(const bvx_context *context)
 {
-    return context == NULL ? "there is no context" : context->message;
+    return bvx_last_error(context)->message;
+}
+
+const bvx_error *bvx_last_error(const bvx_context *context)
+{
+    static const char none[] = "there is no context";
+    static const bvx_error without_context = {.status = BVX_ERR_ARGUMENT, .reason = BVX_REASON_NULL, .function = "",
+                                              .message = none, .text = none, .index = -1};
+
+    return context == NULL ? &without_context : &context->error;
 }

@@ -10,12 +10,12 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
     if (given == NULL) return BVX_OK;
     memcpy(&given_size, given, sizeof given_size);
     if (given_size < sizeof given_size || given_size > 65536)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: options carry the size %u; fill them with their _init function",
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OPTIONS, "%s: options carry the size %u; fill them with their _init function",
                          function, (uint64_t)given_size);
     memcpy(options, given, given_size < size ? given_size : size);
     for (size_t i = size; i < given_size; i++)
         if (((const unsigned char *)given)[i] != 0)
-            return bvxi_fail(ctx, BVX_ERR_VERSION, "%s: options set a field (byte %u) that this library does not know",
+            return bvxi_fail_for(ctx, BVX_ERR_VERSION, BVX_REASON_OPTIONS, "%s: options set a field (byte %u) that this library does not know",
                              function, (uint64_t)i);
     return BVX_OK;
 }

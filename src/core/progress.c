@@ -23,7 +23,7 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
     ctx->share[0].low = 0.0;
     ctx->share[0].high = BEFORE_END;
     ctx->reached = 0.0;
-    ctx->stage = function;
+    ctx->stage = ctx->function = function;
 }
 
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)

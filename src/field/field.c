@@ -41,7 +41,7 @@ static bvx_status check_field_rows(bvx_context *ctx, const char *function, const
     uint64_t next = 0;
     for (uint64_t r = 0; r < rows; r++) {
         if (field->row_values[r] != next)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.row_values[%u] is %u, but the rows before hold %u values", function, r,
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.row_values[%i] is %u, but the rows before hold %u values", function, r,
                              field->row_values[r], next);
         next += field_row_values(&field->band, r);
     }
@@ -70,7 +70,7 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
 {
     if (field == NULL) return bvxi_fail_null(ctx, function, "field");
     for (uint64_t i = 0; i < 4; i++)
-        if (field->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.reserved[%u] is not zero", function, i);
+        if (field->reserved[i] != 0) return bvxi_fail_reserved(ctx, function, "field.");
     if (field->row_values == NULL || field->distances == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field is empty: it has no %s", function,
                          field->row_values == NULL ? "row_values" : "distances");

@@ -40,7 +40,7 @@ static bvx_status check_measure_choices(bvx_context *ctx, const bvx_field_option
     if (!(o->half_width > 0.0))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: half_width is %g; it must be above 0", measure_name, o->half_width);
     if (o->sign < BVX_SIGN_AUTO || o->sign > BVX_SIGN_NONE)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sign rule %d is unknown", measure_name, (int64_t)o->sign);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: sign rule %d is unknown", measure_name, (int64_t)o->sign);
     if (o->value_type != BVX_F32 && o->value_type != BVX_F64)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: value_type is %d, not BVX_F32 (1) or BVX_F64 (2)", measure_name, (int64_t)o->value_type);
     if ((o->no_vectors & ~1) != 0)
@@ -48,7 +48,7 @@ static bvx_status check_measure_choices(bvx_context *ctx, const bvx_field_option
     if ((o->features & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: features is %d, not 0 or 1", measure_name, (int64_t)o->features);
     for (uint64_t i = 0; i < 2; i++)
-        if (o->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved[%u] is not 0", measure_name, i);
+        if (o->reserved[i] != 0) return bvxi_fail_reserved(ctx, measure_name, "");
     return BVX_OK;
 }
 

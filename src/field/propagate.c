@@ -169,7 +169,7 @@ static bvx_status check_sources(bvx_context *ctx, const char *function, const bv
         return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the field has %u values; fewer than 2^32 - 1 can be propagated", function, field->value_count);
     for (uint64_t n = 0; n < field->value_count; n++)
         if (field->triangles[n] >= mesh->triangle_count)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: value %u has the closest triangle %u, but the mesh has %u", function, n,
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX, "%s: value %i has the closest triangle %u, but the mesh has %u", function, n,
                              (uint64_t)field->triangles[n], mesh->triangle_count);
     return BVX_OK;
 }

@@ -310,9 +310,9 @@ static bvx_status check_cast_rays(bvx_context *ctx, const char *function, const 
         const double *const ray = rays + 6 * i;
         for (int k = 0; k < 6; k++)
             if (ray[k] - ray[k] != 0.0)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: ray %u has %s = %g, which is not finite", function, i, part[k], ray[k]);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: ray %i has %s = %g, which is not finite", function, i, part[k], ray[k]);
         if (ray[3] == 0.0 && ray[4] == 0.0 && ray[5] == 0.0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: ray %u has a direction of length 0", function, i);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: ray %i has a direction of length 0", function, i);
     }
     return BVX_OK;
 }

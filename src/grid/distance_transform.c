@@ -153,7 +153,7 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
     if (job->o.beyond < BVX_BEYOND_NOTHING || job->o.beyond > BVX_BEYOND_SET)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: beyond is %d; 0 to 2 are possible", function, (int64_t)job->o.beyond);
     if (job->o.reserved[0] != 0 || job->o.reserved[1] != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
+        return bvxi_fail_reserved(ctx, function, "");
     for (int32_t a = 0; a < 3; a++)
         if (grid->lattice.spacing[a] < DISTANCE_LEAST_SPACING || grid->lattice.spacing[a] > DISTANCE_MOST_SPACING)
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: squares of a spacing of %g are beyond what doubles hold well", function,

@@ -53,12 +53,14 @@ bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_latt
 bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window, bvx_grid *grid)
 {
     bvx_window w;
+    bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, "bvx_grid_create", "grid");
     BVXI_TRY(bvxi_lattice_check(context, "bvx_grid_create", lattice));
     BVXI_TRY(bvxi_window_take(context, "bvx_grid_create", lattice, window, &w));
     bvxi_grid_renew(context, lattice, &w, grid);
-    BVXI_TRY(bvxi_grid_open(context, "bvx_grid_create", lattice, &w, grid));
+    status = bvxi_grid_open(context, "bvx_grid_create", lattice, &w, grid);
+    if (status != BVX_OK) return bvxi_fail_in(context, "bvx_grid_create", status);
     memset(grid->words, 0, (size_t)bvxi_grid_words(grid) * 8);
     return BVX_OK;
 }
@@ -76,7 +78,7 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
     if (grid == NULL) return bvxi_fail_null(ctx, function, "grid");
     if (grid->words == NULL) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has no words", function);
     for (uint64_t i = 0; i < 4; i++)
-        if (grid->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: grid.reserved[%u] is not zero", function, i);
+        if (grid->reserved[i] != 0) return bvxi_fail_reserved(ctx, function, "grid.");
     BVXI_TRY(bvxi_lattice_check(ctx, function, &grid->lattice));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);

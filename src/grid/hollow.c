@@ -164,7 +164,7 @@ static bvx_status check_hollow(bvx_context *ctx, const char *function, const bvx
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: drain_side is %d, not one of BVX_OPEN_...", function, (int64_t)s);
     if ((o->drain_placed != 0 && o->drain_placed != 1) || (o->beyond != 0 && o->beyond != 1))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: drain_placed is %d, beyond %d; 0 or 1 are possible", function, (int64_t)o->drain_placed, (int64_t)o->beyond);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
     return BVX_OK;
 }
 

@@ -128,13 +128,13 @@ static void report_kept(const keep_work *w, bvx_keep_report *report)
 static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, const bvx_keep_options *o)
 {
     BVXI_TRY(bvxi_check_connectivity(ctx, keep_name, o->connectivity));
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", keep_name);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, keep_name, "");
     if (o->seeds == NULL && o->seed_count != 0) return bvxi_fail_null(ctx, keep_name, "seeds");
     for (uint64_t i = 0; i < o->seed_count; i++) {
         const int32_t *const s = o->seeds + 3 * i;
         for (int32_t a = 0; a < 3; a++)
             if (s[a] < 0 || s[a] >= grid->size[a])
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %u at (%d, %d, %d) is outside the window of %d x %d x %d voxels", keep_name, i,
+                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels", keep_name, i,
                                  (int64_t)s[0], (int64_t)s[1], (int64_t)s[2], (int64_t)grid->size[0], (int64_t)grid->size[1],
                                  (int64_t)grid->size[2]);
     }

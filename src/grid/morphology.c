@@ -153,7 +153,7 @@ static bvx_status take_morph_options(bvx_context *ctx, const char *function, con
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: radius is %g; it must be finite, not negative, and 0 unless neighbourhood is 0", function, o.radius);
     if (o.beyond != 0 && o.beyond != 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: beyond is %d, not 0 or 1", function, (int64_t)o.beyond);
-    if (o.reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
+    if (o.reserved != 0) return bvxi_fail_reserved(ctx, function, "");
     morph->neighbourhood = o.neighbourhood;
     morph->steps = o.steps;
     morph->beyond = o.beyond;

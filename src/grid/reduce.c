@@ -190,7 +190,7 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     if (rule < BVX_REDUCE_ANY || rule > BVX_REDUCE_MAJORITY)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: rule %d is unknown", function, (int64_t)rule);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: rule %d is unknown", function, (int64_t)rule);
     job.rule = rule;
     status = bvxi_blocks_open(context, function, grid, factor, what[rule], &job.blocks);
     if (status == BVX_OK) status = reduce_grid(context, function, &job, result);

@@ -80,7 +80,7 @@ static bvx_status check_sample_points(bvx_context *ctx, const char *function, co
     for (uint64_t i = 0; i < count; i++)
         for (int a = 0; a < 3; a++)
             if (points[3 * i + (uint64_t)a] - points[3 * i + (uint64_t)a] != 0.0)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: point %u has %s = %g, which is not finite", function, i, axis_name[a],
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i has %s = %g, which is not finite", function, i, axis_name[a],
                                  points[3 * i + (uint64_t)a]);
     return BVX_OK;
 }

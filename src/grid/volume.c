@@ -23,10 +23,10 @@ bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_v
     if (volume == NULL) return bvxi_fail_null(ctx, function, "volume");
     if (volume->samples == NULL) return bvxi_fail_null(ctx, function, "volume.samples");
     if (size == 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sample type %d is unknown", function, (int64_t)volume->sample_type);
-    if (volume->reserved0 != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: volume.reserved0 is not zero", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: sample type %d is unknown", function, (int64_t)volume->sample_type);
+    if (volume->reserved0 != 0) return bvxi_fail_reserved(ctx, function, "volume.");
     for (uint64_t i = 0; i < 4; i++)
-        if (volume->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: volume.reserved[%u] is not zero", function, i);
+        if (volume->reserved[i] != 0) return bvxi_fail_reserved(ctx, function, "volume.");
     BVXI_TRY(bvxi_lattice_check(ctx, function, &volume->lattice));
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);

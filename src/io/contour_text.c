@@ -95,7 +95,7 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     BVXI_TRY(bvxi_sections_check_result(context, function, sections));
     bvx_read_sections_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
-    if (o.reserved != 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", function);
+    if (o.reserved != 0) return bvxi_fail_reserved(context, function, "");
     if (!(o.close_gap >= 0.0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: close_gap is %g, not 0 or more", function, o.close_gap);
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no contours that can be read (CSL, CSV)", function, (int64_t)format);

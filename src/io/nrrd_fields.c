@@ -32,14 +32,14 @@ static BVXI_COLD bvx_status nrrd_expected(const nrrd_head *h, const nrrd_value *
     return bvxi_fail_expected(&h->source, v->p, what);
 }
 
-bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, const char *at, const char *why)
+bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, int32_t reason, const char *at, const char *why)
 {
-    return bvxi_fail(h->source.ctx, BVX_ERR_UNSUPPORTED, "NRRD: line %u: %s", bvxi_source_line(&h->source, at), why);
+    return bvxi_fail_for(h->source.ctx, BVX_ERR_UNSUPPORTED, reason, "NRRD: line %u: %s", bvxi_source_line(&h->source, at), why);
 }
 
 static BVXI_COLD bvx_status nrrd_unsupported(const nrrd_head *h, const nrrd_value *v, const char *why)
 {
-    return bvxi_nrrd_unsupported(h, v->p, why);
+    return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, v->p, why);
 }
 
 static bvx_status nrrd_take_end(const nrrd_head *h, nrrd_value *v)

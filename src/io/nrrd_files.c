@@ -52,12 +52,12 @@ static bvx_status find_in_pattern(const nrrd_head *h, const int64_t range[3], in
     int64_t const step = range[2];
     for (int i = 0; i < 3; i++)
         if (range[i] > INT32_MAX || range[i] < -INT32_MAX)
-            return bvxi_nrrd_unsupported(h, h->files, "the numbers of the data files are beyond 2^31");
+            return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files, "the numbers of the data files are beyond 2^31");
     if (step == 0 || (step > 0 ? range[1] < range[0] : range[1] > range[0]))
         return bvxi_fail_expected(&h->source, h->files, "a pattern whose numbers go from the first to the last");
     *count = (uint64_t)((range[1] - range[0]) / step) + 1;
     if (axes != 0 && axes != 2)
-        return bvxi_nrrd_unsupported(h, h->files, "data files that hold anything but slices of z");
+        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files, "data files that hold anything but slices of z");
     f->number = range[0] + (int64_t)(index < *count ? index : 0) * step;
     return BVX_OK;
 }
@@ -98,8 +98,8 @@ bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_nam
         *count = 1;
     }
     if (*count > 1 && (h->encoding == NRRD_GZIP || h->line_skip != 0 || h->byte_skip != 0))
-        return bvxi_nrrd_unsupported(h, h->files, "several data files that are packed, or whose beginning is to be skipped");
+        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files, "several data files that are packed, or whose beginning is to be skipped");
     if (*count > NRRD_NAME_WORK / nrrd_head_size(h))
-        return bvxi_nrrd_unsupported(h, h->files, "data files times bytes of the head are more than 2^31");
+        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files, "data files times bytes of the head are more than 2^31");
     return BVX_OK;
 }

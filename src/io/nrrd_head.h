@@ -38,7 +38,7 @@ int bvxi_nrrd_is(const char *text, size_t n, const char *name);
 void bvxi_nrrd_skip_blank(nrrd_value *v);
 
 /* BVX_ERR_UNSUPPORTED with the line of a place in the head. */
-BVXI_COLD bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, const char *at, const char *why);
+BVXI_COLD bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, int32_t reason, const char *at, const char *why);
 
 /* How many data files a detached head names, and the name of one: [*name, *name + *length) with number in place of its "%d" where
  * pattern is not 0 (digits wide, filled with zeros when negative). */

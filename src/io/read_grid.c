@@ -13,7 +13,7 @@ bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double orig
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the file has %u voxels along %s; 1 to %d are possible", format, dims[a],
                              axis_name[a], (int64_t)BVXI_MAX_SIDE);
         if (!(origin[a] - origin[a] == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: the origin is not finite along %s", format, axis_name[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_NOT_FINITE, "%s: the origin is not finite along %s", format, axis_name[a]);
         if (!(spacing[a] - spacing[a] == 0.0) || !(spacing[a] > 0.0))
             return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: the spacing along %s is %g; it must be above 0 and finite", format,
                              axis_name[a], spacing[a]);

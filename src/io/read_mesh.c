@@ -176,7 +176,7 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     if (status == BVX_OK && dropped != NULL) {
         status = bvxi_mesh_drop_nonfinite(context, function, &made, &count);
         if (status == BVX_OK && made.triangle_count == 0)
-            status = bvxi_fail(context, BVX_ERR_EMPTY, "%s: each of the %u triangles has a corner that is not finite",
+            status = bvxi_fail_for(context, BVX_ERR_EMPTY, BVX_REASON_NOT_FINITE, "%s: each of the %u triangles has a corner that is not finite",
                                source.format, count);
     }
     if (status != BVX_OK) {

@@ -69,10 +69,10 @@ static bvx_status nrrd_check_source(const bvxi_grid_source *source, const nrrd_h
 {
     const bvx_read_volume_options *const o = source->volume;
     if (h->files != NULL && (o == NULL || o->data == NULL))
-        return bvxi_nrrd_unsupported(h, h->files, o == NULL ? "the samples are in another file; join head and samples in one .nrrd "
+        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files, o == NULL ? "the samples are in another file; join head and samples in one .nrrd "
                                      "(unu save -f nrrd -e raw)" : "the samples are in another file, whose bytes were not given");
     if (h->encoding == NRRD_GZIP && (o == NULL || o->inflate == NULL))
-        return bvxi_nrrd_unsupported(h, h->encoding_at, o == NULL ? "compressed or hex samples; save them with encoding raw (unu save "
+        return bvxi_nrrd_unsupported(h, BVX_REASON_COMPRESSED, h->encoding_at, o == NULL ? "compressed or hex samples; save them with encoding raw (unu save "
                                      "-f nrrd -e raw)" : "compressed samples, and nothing was given to unpack them");
     return BVX_OK;
 }

@@ -210,7 +210,7 @@ static bvx_status off_take_position(off_file *f, uint64_t vertex)
     for (int a = 0; a < 3; a++) {
         BVXI_TRY(off_take_number(f, "a coordinate", &out[a]));
         if (!(out[a] - out[a] == 0.0) && !f->source->takes_any)
-            return bvxi_fail(f->source->ctx, BVX_ERR_RANGE, "OFF: line %u: vertex %u has a coordinate that is not finite",
+            return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "OFF: line %u: vertex %i has a coordinate that is not finite",
                              bvxi_source_line(f->source, f->p), vertex);
     }
     for (int a = 0; a < 3 && f->has_normals; a++) BVXI_TRY(off_take_number(f, "a normal", &normal));
@@ -259,13 +259,13 @@ static bvx_status off_put_words(off_file *f, uint64_t vertex, const off_words *w
     const bvxi_source *const s = f->source;
     int const uvs = f->has_uvs ? 2 : 0, colours = words->count - uvs < 4 ? words->count - uvs : 4;
     if ((f->has_colours && colours < 3) || colours < 0)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: vertex %u has %d numbers behind it; its %s",
+        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: vertex %i has %d numbers behind it; its %s",
                          bvxi_source_line(s, f->p), vertex, (int64_t)words->count,
                          f->has_colours ? "colour needs three" : "texture coordinates are two");
     for (int i = 0; i < uvs; i++) {
         double const v = words->value[colours + i];
         if (!(v > -3.4e38 && v < 3.4e38))
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "OFF: line %u: vertex %u has a texture coordinate that is not finite",
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "OFF: line %u: vertex %i has a texture coordinate that is not finite",
                              bvxi_source_line(s, f->p), vertex);
         f->mesh->uvs[(size_t)vertex * 2 + (size_t)i] = (float)v;
     }
@@ -302,7 +302,7 @@ static bvx_status off_take_corner(off_file *f, uint64_t face, uint32_t *vertex)
     int64_t v;
     BVXI_TRY(off_take_integer(f, "a vertex number", &v));
     if (v < 0 || (uint64_t)v >= f->vertex_count)
-        return bvxi_fail(f->source->ctx, BVX_ERR_RANGE, "OFF: line %u: face %u names vertex %d, but there are %u",
+        return bvxi_fail(f->source->ctx, BVX_ERR_RANGE, "OFF: line %u: face %i names vertex %d, but there are %u",
                          bvxi_source_line(f->source, f->p), face, v, f->vertex_count);
     *vertex = (uint32_t)v;
     return BVX_OK;
@@ -314,10 +314,10 @@ static bvx_status off_take_length(off_file *f, uint64_t face, uint64_t *corners)
     int64_t n;
     BVXI_TRY(off_take_integer(f, "a face's number of corners", &n));
     if (n < 3)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: face %u has %d corners; it needs three",
+        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: face %i has %d corners; it needs three",
                          bvxi_source_line(s, f->p), face, n);
     if ((uint64_t)n > (uint64_t)(s->end - f->p) / 2)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: face %u has %d corners, more than the file holds",
+        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: face %i has %d corners, more than the file holds",
                          bvxi_source_line(s, f->p), face, n);
     *corners = (uint64_t)n;
     return BVX_OK;

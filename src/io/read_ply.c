@@ -36,7 +36,7 @@ bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t r
 bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row, int32_t role)
 {
     static const char *const names[] = {"coordinate", "colour", "texture coordinate"};
-    return bvxi_fail(f->source->ctx, BVX_ERR_RANGE, "PLY: %s %u (%s %u) has a %s that is not finite",
+    return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "PLY: %s %u (%s %u) has a %s that is not finite",
                      role == PLY_ROLE_UVS ? "face" : "vertex", row, ply_unit(f), ply_place(f, at),
                      names[role <= PLY_ROLE_Z ? 0 : role <= PLY_ROLE_ALPHA ? 1 : 2]);
 }
@@ -50,7 +50,7 @@ bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char 
 bvx_status bvxi_ply_fail_length(const ply_file *f, const ply_element *e, uint64_t row, int64_t count)
 {
     if (e->kind == PLY_FACE && count >= 0)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: face %u (%s %u) has %d corners; it needs three", row,
+        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: face %i (%s %u) has %d corners; it needs three", row,
                          ply_unit(f), ply_place(f, f->p), count);
     return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: row %u (%s %u) of the element in line %u: a list of %d", row,
                      ply_unit(f), ply_place(f, f->p), bvxi_source_line(f->source, e->name), count);
@@ -98,7 +98,7 @@ static bvx_status ply_end_uvs(ply_file *f, uint64_t row, uint64_t triangle)
         return BVX_OK;
     }
     if (f->uv_numbers != 2 * f->corners)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: face %u (%s %u) has %u corners and %u numbers in texcoord",
+        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: face %i (%s %u) has %u corners and %u numbers in texcoord",
                          row, ply_unit(f), ply_place(f, f->p), f->corners, f->uv_numbers);
     for (uint64_t k = 0; triangle < f->triangle_count && triangle < f->room; triangle++, k++) {
         uint32_t *const t = f->mesh->uv_triangles + (size_t)triangle * 3;

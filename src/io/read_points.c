@@ -67,7 +67,7 @@ static bvx_status xyz_take_point(const bvxi_source *s, const char *p, uint64_t i
     for (int32_t a = 0; a < 3; a++) {
         if (!xyz_take_number(&p, s->end, &to[a])) return bvxi_fail_expected(s, p, "a coordinate");
         if (!(to[a] - to[a] == 0.0))
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: line %u: point %u has a coordinate that is not finite", s->format,
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: line %u: point %i has a coordinate that is not finite", s->format,
                              bvxi_source_line(s, line), i);
     }
     return BVX_OK;

@@ -18,7 +18,7 @@ enum {
 
 static BVXI_COLD bvx_status stl_fail_coordinate(const bvxi_source *s, const uint8_t *at, uint64_t triangle, size_t corner)
 {
-    return bvxi_fail(s->ctx, BVX_ERR_RANGE, "STL: triangle %u, corner %u (byte %u): a coordinate is not finite",
+    return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "STL: triangle %i, corner %u (byte %u): a coordinate is not finite",
                      triangle, (uint64_t)corner, bvxi_source_byte(s, at));
 }
 

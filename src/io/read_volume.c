@@ -31,7 +31,7 @@ static bvx_status find_raw(const bvxi_grid_source *source, bvxi_dense *d)
     uint64_t dims[3];
     int fits = 1;
     if (bvxi_type_size(o->sample_type) == 0)
-        return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "RAW: sample type %d is unknown", (int64_t)o->sample_type);
+        return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "RAW: sample type %d is unknown", (int64_t)o->sample_type);
     if ((o->big_endian & ~1) != 0) return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "RAW: big_endian is 0 or 1");
     for (int a = 0; a < 3; a++) {
         if (o->size[a] < 1) return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "RAW: size[%d] is %d", (int64_t)a, (int64_t)o->size[a]);
@@ -265,7 +265,7 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", name, size);
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     if (o.reserved0 != 0 || o.reserved[0] != 0 || o.reserved[1] != 0)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: reserved is not 0", name);
+        return bvxi_fail_reserved(context, name, "");
     if (o.data_size > SIZE_MAX / 2)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: data_size is %u, more than memory can hold", name, o.data_size);
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", name);

@@ -220,7 +220,7 @@ static bvx_status vti_read_head(vti_file *f)
     if (f->array.format == VTI_APPENDED && f->appended == NULL)
         return vti_fail(f, BVX_ERR_FORMAT, f->array.tag, "the array is appended, but the file has no AppendedData");
     if (f->array.format != VTI_ASCII && f->compressed)
-        return bvxi_fail(f->xml.source.ctx, BVX_ERR_UNSUPPORTED,
+        return bvxi_fail_for(f->xml.source.ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_COMPRESSED,
                          "VTI: the data is compressed; write it without (vtkXMLImageDataWriter, SetCompressorTypeToNone)");
     return BVX_OK;
 }

@@ -171,7 +171,7 @@ static bvx_status glb_find_bounds(bvx_context *ctx, const char *name, bvxi_glb *
             float const f = (float)p[a];
             if (!(p[a] < BVXI_FLOAT_LIMIT && p[a] > -BVXI_FLOAT_LIMIT))
                 return bvxi_fail(ctx, BVX_ERR_RANGE,
-                                 "%s: vertex %u is %g from the middle of the mesh, too far for the format's 32-bit "
+                                 "%s: vertex %i is %g from the middle of the mesh, too far for the format's 32-bit "
                                  "floats; take PLY or OBJ", name, (uint64_t)glb_source(glb, v), p[a]);
             if (v == 0 || f < glb->low[a]) glb->low[a] = f;
             if (v == 0 || f > glb->high[a]) glb->high[a] = f;

@@ -34,7 +34,7 @@ static bvx_status check_written_positions(bvx_context *ctx, const char *function
         bvxi_world_position(mesh, v, p);
         for (int a = 0; a < 3; a++)
             if (!(p[a] - p[a] == 0.0))
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: vertex %u is not finite when mesh.frame is added", function,
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: vertex %i is not finite when mesh.frame is added", function,
                                  v);
     }
     return BVX_OK;
@@ -56,11 +56,11 @@ static bvx_status check_written_uvs(bvx_context *ctx, const char *function, cons
     if (mesh->uv_triangles != NULL)
         for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; i++)
             if (mesh->uv_triangles[i] >= mesh->uv_count)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %u has texture coordinate number %u, there are %u",
+                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %i has texture coordinate number %u, there are %u",
                                  function, (uint64_t)(i / 3), (uint64_t)mesh->uv_triangles[i], mesh->uv_count);
     for (size_t i = 0; i < (size_t)bvxi_written_uvs(mesh) * 2; i++)
         if (!(mesh->uvs[i] - mesh->uvs[i] == 0.0f))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: texture coordinate %u is not finite", function, (uint64_t)(i / 2));
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: texture coordinate %i is not finite", function, (uint64_t)(i / 2));
     return BVX_OK;
 }
 

@@ -212,11 +212,11 @@ static bvx_status check_section_format(bvx_context *ctx, const char *function, c
         for (uint64_t i = 0; i < s->loop_count; i++)
             for (uint64_t j = 0; j < s->loops[i].point_count; j++)
                 if (s->points[3 * (s->loops[i].first_point + j) + 2] != s->positions[s->loops[i].section])
-                    return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: loop %u has points off its plane, which CSV cannot hold; take CSL", function, i);
+                    return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: loop %i has points off its plane, which CSV cannot hold; take CSL", function, i);
     } else if (format == BVX_FORMAT_CSL) {
         for (uint64_t i = 0; i < s->loop_count; i++)
             if (s->loops[i].label < 0)
-                return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSL holds no negative labels (loop %u: %d)", function, i, (int64_t)s->loops[i].label);
+                return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSL holds no negative labels (loop %i: %d)", function, i, (int64_t)s->loops[i].label);
     } else if (format == BVX_FORMAT_SVG) {
         double low[2], high[2];
         bound_drawing(s, axis, low, high);

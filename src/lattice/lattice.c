@@ -19,7 +19,7 @@ bvx_status bvxi_lattice_check(bvx_context *ctx, const char *function, const bvx_
     if (lattice == NULL) return bvxi_fail_null(ctx, function, "lattice");
     for (int32_t a = 0; a < 3; a++) {
         if (!lattice_number_ok(lattice->origin[a]))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's origin is not finite along %s", function, axis_name[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: the lattice's origin is not finite along %s", function, axis_name[a]);
         if (!lattice_number_ok(lattice->spacing[a]) || !(lattice->spacing[a] > 0))
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the lattice's spacing along %s is %g; it must be above 0 and finite",
                              function, axis_name[a], lattice->spacing[a]);

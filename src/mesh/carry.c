@@ -86,7 +86,7 @@ static bvx_status check_carried_mesh(bvx_context *ctx, const char *function, con
     if (mesh->triangles == NULL && mesh->triangle_count != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u", function,
                          mesh->triangle_count);
-    if (!bvxi_view_finite(mesh->frame)) return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.frame is not finite", function);
+    if (!bvxi_view_finite(mesh->frame)) return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: mesh.frame is not finite", function);
     return bvxi_mesh_check_reserved(ctx, function, mesh);
 }
 
@@ -106,10 +106,10 @@ static bvx_status check_source_uvs(bvx_context *ctx, const char *function, const
         corner_uvs(source, t, number);
         for (int k = 0; k < 3; k++) {
             if (number[k] >= source->uv_count)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %u has texture coordinate number %u, but there are %u",
+                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %i has texture coordinate number %u, but there are %u",
                                  function, t, (uint64_t)number[k], source->uv_count);
             if (!is_finite_uv(source->uvs + 2 * (size_t)number[k]))
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: texture coordinate %u is not finite", function, (uint64_t)number[k]);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: texture coordinate %i is not finite", function, (uint64_t)number[k]);
         }
     }
     return BVX_OK;
@@ -136,7 +136,7 @@ static bvx_status check_target(bvx_context *ctx, const char *function, const bvx
         if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, function, &w->to, i);
         for (int a = 0; a < 3; a++) p[a] += w->shift[a];
         if (!bvxi_view_finite(p))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: vertex %u is beyond a double's range in the source's frame", function, i);
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: vertex %i is beyond a double's range in the source's frame", function, i);
     }
     return BVX_OK;
 }

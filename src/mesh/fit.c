@@ -22,7 +22,7 @@ static bvx_status check_fit_options(bvx_context *ctx, const char *function, cons
     *by_spacing = o->spacing[0] != 0 || o->spacing[1] != 0 || o->spacing[2] != 0;
     if ((o->resolution != 0) + *per_axis + *by_spacing != 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolution, axis_resolution and spacing", function);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is %d, not 0", function, (int64_t)o->reserved);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
     if (o->padding < 0 || o->padding > 65536)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: padding %d is outside 0 to 65536", function, (int64_t)o->padding);
     for (int32_t a = 0; a < 3; a++) {

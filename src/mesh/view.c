@@ -13,7 +13,7 @@ bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bv
     int k = 0;
     bvxi_view_raw_triangle(view, t, c);
     while (k < 2 && c[k] < view->vertex_count) k++;
-    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %u has vertex number %u, but there are %u vertices", function, t,
+    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: triangle %i has vertex number %u, but there are %u vertices", function, t,
                      c[k], view->vertex_count);
 }
 
@@ -24,7 +24,7 @@ bvx_status bvxi_view_fail_finite(bvx_context *ctx, const char *function, const b
     int k = 0;
     bvxi_view_position(view, vertex, p);
     while (k < 2 && p[k] - p[k] == 0.0) k++;
-    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: vertex %u has %s = %g, which is not finite", function, vertex,
+    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: vertex %i has %s = %g, which is not finite", function, vertex,
                      axis_name[k], p[k]);
 }
 
@@ -76,7 +76,7 @@ static bvx_status check_view_indices(bvx_context *ctx, const char *function, con
 bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mesh_view *view)
 {
     if (view == NULL) return bvxi_fail_null(ctx, function, "mesh");
-    if (view->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.reserved is not zero", function);
+    if (view->reserved != 0) return bvxi_fail_reserved(ctx, function, "mesh.");
     BVXI_TRY(check_view_positions(ctx, function, view));
     return check_view_indices(ctx, function, view);
 }

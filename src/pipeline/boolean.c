@@ -52,15 +52,15 @@ typedef struct boolean_job {
 static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, const bvx_boolean_options *o)
 {
     if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: operation %d is unknown", boolean_name, (int64_t)operation);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown", boolean_name, (int64_t)operation);
     if (o->fill != BVX_FILL_PARITY && o->fill != BVX_FILL_NONZERO && o->fill != BVX_FILL_VOTE && o->fill != BVX_FILL_WINDING &&
         o->fill != BVX_FILL_AUTO)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: fill %d is not BVX_FILL_AUTO, PARITY, NONZERO, VOTE or WINDING", boolean_name,
                          (int64_t)o->fill);
     if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: interpolation %d is unknown", boolean_name, (int64_t)o->interpolation);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: interpolation %d is unknown", boolean_name, (int64_t)o->interpolation);
     if (o->face_rule != BVX_FACE_SEPARATE && o->face_rule != BVX_FACE_JOIN)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: face rule %d is unknown", boolean_name, (int64_t)o->face_rule);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: face rule %d is unknown", boolean_name, (int64_t)o->face_rule);
     BVXI_TRY(bvxi_check_position_type(ctx, boolean_name, o->position_type));
     if (o->sharp < -1 || o->sharp > 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", boolean_name, (int64_t)o->sharp);
@@ -69,7 +69,7 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
     if ((o->keep_crumbs & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keep_crumbs %d is not 0 or 1", boolean_name, (int64_t)o->keep_crumbs);
     if (o->reserved[0] != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", boolean_name);
+        return bvxi_fail_reserved(ctx, boolean_name, "");
     if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
     if (o->resolution < 1 || o->resolution > 1 << 24)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: resolution %d is outside 1 to %d", boolean_name, (int64_t)o->resolution, (int64_t)1 << 24);

@@ -49,7 +49,7 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
 {
     BVXI_TRY(bvxi_check_position_type(ctx, function, o->position_type));
     if (o->source < BVX_LEVELS_AUTO || o->source > BVX_LEVELS_MEASURED)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: source %d is unknown", function, (int64_t)o->source);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: source %d is unknown", function, (int64_t)o->source);
     if (o->resolution < 0 || o->resolution > 1 << 24)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: resolution %d is outside 0 to %d", function,
                          (int64_t)o->resolution, (int64_t)1 << 24);
@@ -67,9 +67,9 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
                          "%s: outer fills every cavity; least_cavity is not used with it", function);
     if (o->open < BVX_OPEN_SHELL || o->open > BVX_OPEN_CUT)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: open %d is unknown", function, (int64_t)o->open);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: open %d is unknown", function, (int64_t)o->open);
     if (o->reserved0 != 0 || (o->reserved[0] | o->reserved[1] | o->reserved[2]) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", function);
+        return bvxi_fail_reserved(ctx, function, "");
     return BVX_OK;
 }
 

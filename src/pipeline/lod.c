@@ -32,6 +32,12 @@ typedef struct lod_job {
     int32_t position_type; /* of the level: BVX_F64 once one of the resolutions tried needed it */
 } lod_job;
 
+/* What messages call the level. */
+static uint64_t level_number(const lod_job *job)
+{
+    return job->level + (uint64_t)job->options->first_level;
+}
+
 /* ---- what is asked for ---- */
 
 static int32_t longest_side(const bvx_grid *g)
@@ -49,8 +55,8 @@ static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, con
             int32_t const n = o->resolutions != NULL ? longest_side(solid) : solid->size[a];
             int32_t const r = o->resolutions != NULL ? o->resolutions[l] : o->axis_resolutions[3 * l + (uint64_t)a];
             if (r < 1 || r > n)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for a resolution of %d; 1 to %d, the grid's own, are possible",
-                                 lod_name, l, (int64_t)r, (int64_t)n);
+                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %i asks for a resolution of %d; 1 to %d, the grid's own, are possible",
+                                 lod_name, l + (uint64_t)o->first_level, (int64_t)r, (int64_t)n);
         }
     }
     return BVX_OK;
@@ -59,7 +65,7 @@ static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, con
 static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o, uint64_t level_count)
 {
     if (o->method != BVX_LOD_EDGE_RATIO && o->method != BVX_LOD_COVERAGE)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: method %d is unknown", lod_name, (int64_t)o->method);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: method %d is unknown", lod_name, (int64_t)o->method);
     if (!(o->threshold > 0 && o->threshold < 1))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
     if (o->edge_samples < 0 || o->edge_samples > 65536)
@@ -68,7 +74,7 @@ static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, con
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: edge_samples belongs to BVX_LOD_EDGE_RATIO alone", lod_name);
     if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolutions, axis_resolutions and target_triangles", lod_name);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", lod_name);
+    if (o->first_level < 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: first_level is %d, below 0", lod_name, (int64_t)o->first_level);
     if (!(o->collapse == 0 || (o->collapse >= 1 && o->collapse <= 64)))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse %g is neither 0 nor from 1 to 64", lod_name, o->collapse);
     if (o->collapse != 0 && o->target_triangles == NULL)
@@ -162,8 +168,8 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
     BVXI_TRY(bvxi_collapse_open(ctx, lod_name, &view, &options, &collapse));
     status = bvxi_collapse_to(collapse, target, target, 0.0, 1.0);
     if (status == BVX_OK && bvxi_collapse_triangles(collapse) > target)
-        status = bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; collapsing its %u ends at %u", lod_name,
-                           job->level, target, fine->triangle_count, bvxi_collapse_triangles(collapse));
+        status = bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u", lod_name,
+                           level_number(job), target, fine->triangle_count, bvxi_collapse_triangles(collapse));
     if (status == BVX_OK) status = bvxi_collapse_give(collapse, mesh);
     if (status == BVX_OK) memcpy(mesh->frame, fine->frame, sizeof mesh->frame);
     bvxi_collapse_close(collapse);
@@ -194,7 +200,7 @@ static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, b
     level_work w;
     bvx_status status = open_level(ctx, job, resolution, 0, &w);
     if (status == BVX_OK && w.march.triangle_count == 0)
-        status = bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %u, %d x %d x %d samples, keeps nothing of the solid", lod_name, job->level,
+        status = bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %i, %d x %d x %d samples, keeps nothing of the solid", lod_name, level_number(job),
                            (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count, (int64_t)w.samples.axis[2].count);
     if (status == BVX_OK)
         status = job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh) : bvxi_march_fill(ctx, &w.march, mesh);
@@ -266,10 +272,10 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
     }
     if (low_count == 0 && high_count != 0) BVXI_TRY(search_downwards(ctx, job, target, high, &low, &high_count));
     if (low == 0 && high_count == 0)
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %u keeps nothing of the solid at any resolution", lod_name, job->level);
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %i keeps nothing of the solid at any resolution", lod_name, level_number(job));
     if (low == 0)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %u asks for at most %u triangles; none of the resolutions tried keeps anything in so few",
-                         lod_name, job->level, asked);
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %i asks for at most %u triangles; none of the resolutions tried keeps anything in so few",
+                         lod_name, level_number(job), asked);
     *resolution = low;
     return BVX_OK;
 }

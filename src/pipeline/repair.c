@@ -27,7 +27,7 @@ static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_option
     if (o->sign == BVX_SIGN_NORMAL || o->sign == BVX_SIGN_PSEUDONORMAL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: signs by normals are wrong beyond holes; take auto, exact, winding or vote", bvxi_repair_name);
     if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: interpolation %d is unknown", bvxi_repair_name, (int64_t)o->interpolation);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: interpolation %d is unknown", bvxi_repair_name, (int64_t)o->interpolation);
     if (o->sharp < -1 || o->sharp > 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", bvxi_repair_name, (int64_t)o->sharp);
     if ((o->measure & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: measure %d is not 0 or 1", bvxi_repair_name, (int64_t)o->measure);
@@ -40,7 +40,7 @@ static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_option
                          (int64_t)o->if_needed);
     if (o->thin < BVX_THIN_SHELL || o->thin > BVX_THIN_DROP)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: thin is %d, not one of BVX_THIN_SHELL .. BVX_THIN_DROP", bvxi_repair_name, (int64_t)o->thin);
-    if (o->reserved0 != 0 || o->reserved[0] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", bvxi_repair_name);
+    if (o->reserved0 != 0 || o->reserved[0] != 0) return bvxi_fail_reserved(ctx, bvxi_repair_name, "");
     return BVX_OK;
 }
 

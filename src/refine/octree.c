@@ -286,7 +286,7 @@ static bvx_status run_octree_find(bvx_context *context, const bvx_octree *tree, 
     job.leaves = leaves;
     BVXI_TRY(find_octree_places(context, &job, find_octree_points, &bad));
     if (bad == count) return BVX_OK;
-    return bvxi_fail(context, BVX_ERR_RANGE, "%s: point %u is not finite", function, bad);
+    return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i is not finite", function, bad);
 }
 
 bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points, uint64_t count,

@@ -187,9 +187,9 @@ static bvx_status check_octree_rays(bvx_context *ctx, const double *rays, uint64
     for (uint64_t i = 0; i < count; i++) {
         const double *const r = rays + 6 * i;
         for (int k = 0; k < 6; k++)
-            if (!(r[k] - r[k] == 0.0)) return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_octree_cast: ray %u is not finite", i);
+            if (!(r[k] - r[k] == 0.0)) return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "bvx_octree_cast: ray %i is not finite", i);
         if (r[3] == 0 && r[4] == 0 && r[5] == 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "bvx_octree_cast: the direction of ray %u is 0", i);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "bvx_octree_cast: the direction of ray %i is 0", i);
     }
     return BVX_OK;
 }

@@ -47,7 +47,7 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
     if (o->start_level < -1 || o->start_level > o->levels)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: start_level is %d; -1 to levels (%d) are possible", bvx_refine_name,
                          (int64_t)o->start_level, (int64_t)o->levels);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", bvx_refine_name);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, bvx_refine_name, "");
     if (o->outer_levels < 0 || o->outer_levels > o->levels)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer_levels is %d; 0 to levels (%d) are possible", bvx_refine_name,
                          (int64_t)o->outer_levels, (int64_t)o->levels);

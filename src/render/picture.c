@@ -22,7 +22,7 @@ static bvx_status check_picture_direction(bvx_context *ctx, const char *function
 {
     for (int a = 0; a < 3; a++)
         if (v[a] - v[a] != 0.0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s has the part %g, which is not finite", function, name, v[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: %s has the part %g, which is not finite", function, name, v[a]);
     if (v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s is 0, 0, 0 and points nowhere", function, name);
     return BVX_OK;
@@ -64,7 +64,7 @@ static bvx_status check_picture_options(bvx_context *ctx, const char *function, 
     if (o->samples < 1 || o->samples > 4)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %d samples a pixel and side are outside 1 to 4", function,
                          (int64_t)o->samples);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not zero", function);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
     return check_picture_cut(ctx, function, o);
 }
 

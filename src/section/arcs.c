@@ -26,7 +26,7 @@ static bvx_status add_own_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
     bvxi_line_cut *c;
     if (p->cut_count == p->cut_room) {
         uint64_t const room = p->cut_room < 256 ? 256 : (uint64_t)p->cut_room + p->cut_room / 2;
-        if (room > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: section %u crosses the grid more than 2^31 times", s->function,
+        if (room > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: section %i crosses the grid more than 2^31 times", s->function,
                                                (uint64_t)p->section);
         BVXI_TRY(own_cuts(s, p, (uint32_t)room));
     }

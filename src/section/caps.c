@@ -99,7 +99,7 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
             }
         }
         if (at == BVXI_NONE)
-            return bvxi_fail(w->s->ctx, BVX_ERR_FORMAT, "%s: a hole of section %u cannot be joined to its loop", w->s->function,
+            return bvxi_fail(w->s->ctx, BVX_ERR_FORMAT, "%s: a hole of section %i cannot be joined to its loop", w->s->function,
                              (uint64_t)w->plane->section);
         if (is_in_corner(w, at, from) && is_free(w, from, w->corner[at])) {
             *corner = at;

@@ -55,9 +55,9 @@ static bvx_status check_positions(slice_work *w, const bvx_slice_options *o)
         return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: %u positions, allowed are 1 to %d", slice_name, o->position_count, (int64_t)SLICE_MOST_PLANES);
     for (uint64_t i = 0; i < o->position_count; i++) {
         if (!(o->positions[i] - o->positions[i] == 0.0))
-            return bvxi_fail(w->ctx, BVX_ERR_RANGE, "%s: position %u is not finite", slice_name, i);
+            return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: position %i is not finite", slice_name, i);
         if (i > 0 && !(o->positions[i] > o->positions[i - 1]))
-            return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: position %u does not lie above the one before it", slice_name, i);
+            return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: position %i does not lie above the one before it", slice_name, i);
     }
     return BVX_OK;
 }
@@ -376,7 +376,7 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     BVXI_TRY(bvxi_sections_check_result(context, slice_name, sections));
     bvx_slice_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, slice_name, options, &o, sizeof o));
-    if (o.reserved != 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.reserved is not zero", slice_name);
+    if (o.reserved != 0) return bvxi_fail_reserved(context, slice_name, "");
     if (o.label == BVX_LABEL_ONLY) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: the label stands for none", slice_name);
     BVXI_TRY(bvxi_view_check(context, slice_name, mesh));
     memset(&w, 0, sizeof w);

@@ -28,8 +28,9 @@ static bvx_status choose_label(bvxi_stack *s)
     s->options.label = g->loops[0].label;
     for (uint64_t i = 1; i < g->loop_count; i++)
         if (g->loops[i].label != s->options.label)
-            return bvxi_fail(s->ctx, BVX_ERR_ARGUMENT, "%s: the sections hold several bodies (labels %d and %d); choose one by its label",
-                             s->function, (int64_t)s->options.label, (int64_t)g->loops[i].label);
+            return bvxi_fail_for(s->ctx, BVX_ERR_ARGUMENT, BVX_REASON_SEVERAL_BODIES,
+                                 "%s: the sections hold several bodies (labels %d and %d); choose one by its label", s->function,
+                                 (int64_t)s->options.label, (int64_t)g->loops[i].label);
     return BVX_OK;
 }
 
@@ -98,7 +99,7 @@ static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
     s->report.points += l->point_count;
     if (c->count >= 3) return BVX_OK;
     if (c->count == 0) c->count = 1; /* all are equal to the one before */
-    return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: loop %u of section %u has %u different point%s; a loop needs three", s->function,
+    return bvxi_fail_for(s->ctx, BVX_ERR_EMPTY, BVX_REASON_LOOP_FLAT, "%s: loop %i of section %u has %u different point%s; a loop needs three", s->function,
                      (uint64_t)number, (uint64_t)p->section, (uint64_t)c->count, c->count == 1 ? "" : "s");
 }
 
@@ -141,7 +142,7 @@ bvx_status bvxi_plane_place(bvxi_stack *s, bvxi_plane *p, double low[2], double 
             double const c = p->uv[i][k];
             if (c - c != 0.0)
                 return s->fixed ? BVX_ERR_RANGE
-                                : bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: point %u is too far out", s->function, (uint64_t)p->given[i]);
+                                : bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: point %i is too far out", s->function, (uint64_t)p->given[i]);
             if (c < low[k]) low[k] = c;
             if (c > high[k]) high[k] = c;
         }
@@ -162,7 +163,7 @@ static bvx_status check_flatness(bvxi_stack *s)
         for (uint32_t i = 0; i < p->point_count; i++) {
             double const off = along_axis(s->axis[2], s->given->points + 3 * (uint64_t)p->given[i]) - p->w;
             if (off > limit || off < -limit)
-                return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: point %u of section %u (position %g) lies %g off its plane; %g is allowed",
+                return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: point %i of section %u (position %g) lies %g off its plane; %g is allowed",
                                  s->function, (uint64_t)p->given[i], (uint64_t)p->section, p->w, off, limit);
         }
     }
@@ -291,7 +292,7 @@ bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
                 c->hole ^= bvxi_loop_contains(p, &p->contour[j], at);
         if (turn == 0)
             return s->fixed ? BVX_ERR_FORMAT
-                            : bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: loop %u of section %u encloses no area", s->function, (uint64_t)c->given,
+                            : bvxi_fail_for(s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOP_FLAT, "%s: loop %i of section %u encloses no area", s->function, (uint64_t)c->given,
                                         (uint64_t)p->section);
         if ((turn > 0) == (c->hole != 0)) reverse_loop(p, c);
     }

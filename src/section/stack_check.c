@@ -12,12 +12,12 @@ static bvx_status check_loop(bvx_context *ctx, const char *function, const bvx_s
 {
     const bvx_section_loop *const l = &given->loops[i];
     if (l->section >= given->section_count)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: loop %u is in section %u of %u", function, i, (uint64_t)l->section, given->section_count);
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: loop %i is in section %u of %u", function, i, (uint64_t)l->section, given->section_count);
     if (l->first_point > given->point_count || l->point_count > given->point_count - l->first_point)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: loop %u has points %u to %u of %u", function, i, l->first_point,
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: loop %i has points %u to %u of %u", function, i, l->first_point,
                          l->first_point + l->point_count, given->point_count);
-    if (l->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: loop %u: reserved is not zero", function, i);
-    if (l->label == BVX_LABEL_ONLY) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: loop %u: the label stands for none", function, i);
+    if (l->reserved != 0) return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: loop %i: reserved must be 0", function, i);
+    if (l->label == BVX_LABEL_ONLY) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: loop %i: the label stands for none", function, i);
     return BVX_OK;
 }
 
@@ -32,9 +32,9 @@ bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, co
 bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx_sections *given)
 {
     if (given == NULL) return bvxi_fail_null(ctx, function, "sections");
-    if (given->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sections.reserved is not zero", function);
+    if (given->reserved != 0) return bvxi_fail_reserved(ctx, function, "sections.");
     for (uint64_t i = 0; i < 4; i++)
-        if (given->reserved2[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sections.reserved2[%u] is not zero", function, i);
+        if (given->reserved2[i] != 0) return bvxi_fail_reserved(ctx, function, "sections.");
     if (given->point_count > INT32_MAX || given->loop_count > INT32_MAX || given->section_count > INT32_MAX)
         return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %u points, %u loops and %u sections; limits are 2^31", function, given->point_count,
                          given->loop_count, given->section_count);
@@ -44,11 +44,11 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
     if (given->loop_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the sections hold no loop", function);
     for (uint64_t i = 0; i < given->section_count; i++)
         if (!is_number(given->positions[i]))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the position of section %u is not finite", function, i);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: the position of section %i is not finite", function, i);
     for (uint64_t i = 0; i < given->loop_count; i++) BVXI_TRY(check_loop(ctx, function, given, i));
     for (uint64_t i = 0; i < 3 * given->point_count; i++)
         if (!is_number(given->points[i]))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: point %u is not finite", function, i / 3);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i is not finite", function, i / 3);
     return BVX_OK;
 }
 
@@ -58,7 +58,7 @@ bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const doub
     int main = 0, first;
     for (int i = 0; i < 3; i++) {
         double const m = normal[i] < 0.0 ? -normal[i] : normal[i];
-        if (!is_number(m)) return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the normal is not finite", function);
+        if (!is_number(m)) return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: the normal is not finite", function);
         if (m > largest) {
             largest = m;
             main = i;

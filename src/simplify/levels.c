@@ -35,11 +35,11 @@ bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
 
     for (uint64_t i = 0; i < c->count; i++) {
         if (c->target_triangles != NULL && c->target_triangles[i] == 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_triangles[%u] is 0", c->function, i);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_triangles[%i] is 0", c->function, i);
         if (c->target_errors != NULL &&
             !(c->target_errors[i] > 0 && c->target_errors[i] - c->target_errors[i] == 0))
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                             "%s: target_errors[%u] is %g; it must be above 0 and finite", c->function, i,
+                             "%s: target_errors[%i] is %g; it must be above 0 and finite", c->function, i,
                              c->target_errors[i]);
     }
     return BVX_OK;
@@ -241,7 +241,7 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     if (c->strict && !met)
         return bvxi_fail(
             ctx, BVX_ERR_RANGE,
-            "%s: level %u cannot keep its target: %u triangles are the fewest that keep the guarantee",
+            "%s: level %i cannot keep its target: %u triangles are the fewest that keep the guarantee",
             c->function, i, c->levels[i].triangle_count);
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }

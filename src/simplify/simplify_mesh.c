@@ -50,9 +50,9 @@ static bvx_status check_simplify_options(bvx_context *ctx, const bvx_simplify_op
 {
     BVXI_TRY(bvxi_check_position_type(ctx, simplify_name, o->position_type));
     if (o->open < BVX_OPEN_SHELL || o->open > BVX_OPEN_CUT)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: open %d is unknown", simplify_name, (int64_t)o->open);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: open %d is unknown", simplify_name, (int64_t)o->open);
     if ((o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a reserved field is not 0", simplify_name);
+        return bvxi_fail_reserved(ctx, simplify_name, "");
     return BVX_OK;
 }
 

@@ -213,7 +213,7 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
     BVXI_TRY(bvxi_check_position_type(ctx, f->function, o->position_type));
     if ((o->merged & ~1) != 0 || (o->local_frame & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: merged and local_frame are 0 or 1", f->function);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", f->function);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, f->function, "");
     f->grid = grid;
     for (int32_t a = 0; a < 3; a++) {
         f->spacing[a] = grid->lattice.spacing[a];

@@ -23,10 +23,10 @@ void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t s
 static bvx_status check_field_surface_options(bvx_context *ctx, const char *function, const bvx_field_surface_options *o)
 {
     if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: interpolation %d is unknown", function, (int64_t)o->interpolation);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: interpolation %d is unknown", function, (int64_t)o->interpolation);
     if ((o->sharp & ~1) != 0 || (o->local_frame & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp and local_frame are 0 or 1", function);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", function);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
     if (!(o->sharp_angle >= -1.0 && o->sharp_angle <= 1.0))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp_angle %g is no cosine", function, o->sharp_angle);
     return BVX_OK;
@@ -40,7 +40,7 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
     if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
     for (uint64_t r = 0; r < rows; r++) {
         if (f->row_values[r] != total)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.row_values[%u] is %u, the band has %u values before it", function, r,
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.row_values[%i] is %u, the band has %u values before it", function, r,
                              f->row_values[r], total);
         for (uint64_t w = 0; w < words; w++) total += bvxi_popcount(f->band.words[r * words + w]);
     }
@@ -65,7 +65,7 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
 {
     int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) || o->sharp;
     for (uint64_t i = 0; i < 4; i++)
-        if (f->reserved[i] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.reserved[%u] is not zero", function, i);
+        if (f->reserved[i] != 0) return bvxi_fail_reserved(ctx, function, "field.");
     if (f->sign == BVX_SIGN_NONE || f->inside.words == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no inside; measure it with a sign", function);
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));
@@ -95,7 +95,7 @@ static bvx_status check_field_triangles(bvx_context *ctx, const char *function, 
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     for (uint64_t n = 0; n < f->value_count; n++)
         if (f->triangles[n] >= mesh->triangle_count)
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: field.triangles[%u] is %u, the mesh has %u triangles", function, n,
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: field.triangles[%i] is %u, the mesh has %u triangles", function, n,
                              (uint64_t)f->triangles[n], mesh->triangle_count);
     return BVX_OK;
 }

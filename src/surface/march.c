@@ -24,13 +24,13 @@ void bvx_extract_options_init(bvx_extract_options *options, size_t size)
 static bvx_status check_extract_options(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_extract_options *o)
 {
     if (o->face_rule != BVX_FACE_SEPARATE && o->face_rule != BVX_FACE_JOIN)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: face rule %d is unknown", function, (int64_t)o->face_rule);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: face rule %d is unknown", function, (int64_t)o->face_rule);
     BVXI_TRY(bvxi_check_position_type(ctx, function, o->position_type));
     if (o->open_sides < 0 || o->open_sides > 63)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: open sides %d hold unknown bits", function, (int64_t)o->open_sides);
     if ((o->keys & ~1) != 0 || (o->local_frame & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys and local_frame are 0 or 1", function);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", function);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
     for (int32_t a = 0; o->keys && a < 3; a++)
         if (grid->lattice.dims[a] >= 1 << 20)
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",
@@ -63,12 +63,12 @@ static bvx_status check_f32(bvx_context *ctx, const char *function, const bvx_gr
         double const spacing = grid->lattice.spacing[a], most = farthest_coordinate(grid, origin, a);
 
         if (!(most < FLOAT_LIMIT))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: coordinates up to %g do not fit f32; take f64 or a local frame",
-                             function, most);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
+                                 "%s: coordinates up to %g do not fit f32; take f64 or a local frame", function, most);
         if (float_step(most) > spacing / FLOAT_STEPS)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame", function,
-                             most, float_step(most), spacing);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
+                                 "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame", function,
+                                 most, float_step(most), spacing);
     }
     return BVX_OK;
 }
@@ -96,7 +96,7 @@ bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid
     for (int32_t a = 0; a < 3; a++) {
         double const spacing = grid->lattice.spacing[a], most = farthest_coordinate(grid, origin, a);
         if (!(most <= spacing * 17592186044416.0)) /* 2^44, so that 2^-53 of it is 1/512 of a voxel */
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: at %g doubles are too coarse for voxels of %g; take a local frame", function,
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_DOUBLES_COARSE, "%s: at %g doubles are too coarse for voxels of %g; take a local frame", function,
                              most, spacing);
     }
     return BVX_OK;

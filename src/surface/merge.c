@@ -23,20 +23,20 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
         const bvx_mesh *const m = &w->parts[p];
         BVXI_TRY(bvxi_mesh_check_reserved(ctx, merge_name, m));
         if (m->vertex_count >= UINT32_MAX || m->triangle_count >= UINT32_MAX) /* before sums of them could wrap */
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: part %u has %u vertices and %u triangles; 2^32 - 2 are possible", merge_name, p,
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: part %i has %u vertices and %u triangles; 2^32 - 2 are possible", merge_name, p,
                              m->vertex_count, m->triangle_count);
         if (m->vertex_count != 0 && (m->positions == NULL || m->vertex_keys == NULL))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has no vertex keys; extract it with keys", merge_name, p);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has no vertex keys; extract it with keys", merge_name, p);
         if (m->triangle_count != 0 && (m->triangles == NULL || m->triangle_keys == NULL))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has no triangle keys; extract it with keys", merge_name, p);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has no triangle keys; extract it with keys", merge_name, p);
         if (m->position_type != first->position_type || (m->position_type != BVX_F32 && m->position_type != BVX_F64))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has another position type than part 0", merge_name, p);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has another position type than part 0", merge_name, p);
         for (int32_t a = 0; a < 3; a++)
             if (!(m->frame[a] == first->frame[a]))
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %u has another frame than part 0", merge_name, p);
+                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has another frame than part 0", merge_name, p);
         for (uint64_t i = 0; i < 3 * m->triangle_count; i++)
             if (m->triangles[i] >= m->vertex_count)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %u of part %u has vertex %u; the part has %u", merge_name, i / 3, p,
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: triangle %i of part %u has vertex %u; the part has %u", merge_name, i / 3, p,
                                  (uint64_t)m->triangles[i], m->vertex_count);
         w->vertices += m->vertex_count;
         w->triangles += m->triangle_count;

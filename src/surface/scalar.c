@@ -21,7 +21,7 @@ static bvx_status check_scalar_options(bvx_context *ctx, const char *function, c
 {
     if (o->level != o->level) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level is NaN", function);
     if ((o->below & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: below is 0 or 1", function);
-    if (o->reserved[0] != 0 || o->reserved[1] != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", function);
+    if (o->reserved[0] != 0 || o->reserved[1] != 0) return bvxi_fail_reserved(ctx, function, "");
     return BVX_OK;
 }
 

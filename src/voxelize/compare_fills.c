@@ -177,7 +177,7 @@ static bvx_status check_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const
                               const bvx_compare_fills_options *given, bvx_compare_fills_options *o)
 {
     BVXI_TRY(bvxi_take_options(ctx, fills_name, given, o, sizeof *o));
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", fills_name);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, fills_name, "");
     if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps is %d; 0 to %d are possible", fills_name, (int64_t)o->close_gaps,
                          (int64_t)BVXI_MOST_GAP);

@@ -115,7 +115,7 @@ static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *latt
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps is %d; 0 to %d are possible", points_name, (int64_t)o->close_gaps,
                          (int64_t)BVXI_MOST_GAP);
     if (o->close_gaps != 0 && !o->body) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps goes with body alone", points_name);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", points_name);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, points_name, "");
     BVXI_TRY(bvxi_lattice_check(ctx, points_name, lattice));
     BVXI_TRY(bvxi_window_take(ctx, points_name, lattice, &o->window, window));
     for (int32_t a = 0; a < 3 && o->body; a++)

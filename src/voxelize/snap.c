@@ -97,10 +97,10 @@ static bvx_status snap_judge(bvx_context *ctx, const char *function, const snap_
             bvxi_view_position(view, corner[i], p);
             for (int32_t a = 0; a < 3; a++)
                 if (!(p[a] - p[a] == 0.0))
-                    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: vertex %u (of triangle %u) has a coordinate that is not finite",
+                    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: vertex %i (of triangle %u) has a coordinate that is not finite",
                                      function, (uint64_t)corner[i], t);
             return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: vertex %u at (%g, %g, %g) is more than 2^30 fixed-point steps from the lattice's origin; "
+                             "%s: vertex %i at (%g, %g, %g) is more than 2^30 fixed-point steps from the lattice's origin; "
                              "with %d fraction bits coordinates up to %g voxels away fit",
                              function, (uint64_t)corner[i], p[0], p[1], p[2], (int64_t)lattice->fraction_bits,
                              BVXI_FIXED_LIMIT / (double)(1 << lattice->fraction_bits));

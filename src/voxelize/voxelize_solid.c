@@ -27,8 +27,8 @@ static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
 {
     int const below = o->fill == BVX_FILL_BELOW;
     if (o->fill < BVX_FILL_PARITY || o->fill > BVX_FILL_AUTO)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: fill rule %d is unknown", solid_name, (int64_t)o->fill);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", solid_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: fill rule %d is unknown", solid_name, (int64_t)o->fill);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, solid_name, "");
     if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps is %d; 0 to %d are possible", solid_name, (int64_t)o->close_gaps,
                          (int64_t)BVXI_MOST_GAP);

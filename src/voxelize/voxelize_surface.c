@@ -155,8 +155,8 @@ static bvx_status check_surface_arguments(bvx_context *ctx, const bvx_mesh_view 
 {
     BVXI_TRY(bvxi_take_options(ctx, surface_name, given, o, sizeof *o));
     if (o->mode < BVX_SURFACE_CONSERVATIVE || o->mode > BVX_SURFACE_SAMPLED)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mode %d is unknown", surface_name, (int64_t)o->mode);
-    if (o->reserved != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: reserved is not 0", surface_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: mode %d is unknown", surface_name, (int64_t)o->mode);
+    if (o->reserved != 0) return bvxi_fail_reserved(ctx, surface_name, "");
     if (o->attached != NULL && o->attached->offsets == NULL && o->attached->triangles != NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: attached brings triangles, which are not used; zero it first", surface_name);
     BVXI_TRY(bvxi_view_check(ctx, surface_name, mesh));

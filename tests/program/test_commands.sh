@@ -243,7 +243,8 @@ for option in '--resolution 50' '--padding 1' '--fill parity' --carry; do
     # shellcheck disable=SC2086
     refuses 2 'is for meshes' lod knot.npy -o x_%d.ply $option
 done
-refuses 1 'level 0: ' lod knot.npy -o x_%d.ply --levels 100,50 --samples 0
+refuses 1 'level 0 asks for a resolution of 100' lod knot.npy -o x_%d.ply --levels 100,50 --samples 0
+refuses 1 'bitvox: level 1 asks for a resolution of 100' lod knot.npy -o x_%d.ply --levels 20,100 --samples 0
 works 'lod --carry' lod red_blue.obj -o c_%d.obj --levels 24,12 --samples 0 --carry --quiet
 run info c_1.obj
 holds 'each level has colours' says 'colours +of vertices'

@@ -73,7 +73,8 @@ no_cpu_detection() {
 
 # Functions without a result that a machine could change, and without work that could fail, are named here.
 plain='bvx_arithmetic_fault bvx_context_cpu bvx_context_create_version bvx_context_destroy bvx_context_threads bvx_format_of_name
-    bvx_grid_bound bvx_last_message bvx_memory_peak bvx_memory_reset_peak bvx_memory_used bvx_status_text bvx_version'
+    bvx_grid_bound bvx_last_error bvx_last_message bvx_memory_peak bvx_memory_reset_peak bvx_memory_used bvx_reason_text
+    bvx_status_text bvx_version'
 
 every_function_proven() {
     : >"$work/unproven.txt"
@@ -97,6 +98,16 @@ every_function_rises() {
         name != "" && /^}/ { if (!rises) print name; name = "" }' $core |
         grep -v -x -E 'bvx_(lattice_make|grid_create|octree_lattice|octree_neighbours|volume_data_name)' >"$work/flat.txt"
     empty "$work/flat.txt" 'without BVXI_CALL'
+}
+
+# Callers decide by statuses and reasons; messages are for people. name_input looks whether the program's own line names its input.
+nobody_reads_messages() {
+    grep -n -E '(strstr|strn?cmp|strn?casecmp|strr?chr|strspn|strpbrk|memcmp|sscanf)[[:space:]]*\([^;]*(message|last_error|->text|error_text)' src/cli/*.[ch] |
+        grep -v -F 'strncmp(message, in, strlen(in))' >"$work/read.txt"
+    grep -n -E "(in|==|!=) *(str|repr)\(|(in|==|!=) [a-z_.]*message\(\)|str\([a-z_]+\)\.(startswith|endswith|find|index|partition|split)|message\(\)\.(startswith|endswith|find|index|partition|split)|bvx_last_message|re\.(match|search|fullmatch)\([^)]*str\((e|error|exc|why|exception)\)" \
+        -r bindings/python/src/bitvox --include='*.py' | grep -i -E 'error|exc|why|message|\(e\)' >>"$work/read.txt"
+    grep -n 'bvx_last_message' src/cli/*.[ch] >>"$work/read.txt"
+    empty "$work/read.txt" 'a message is read:'
 }
 
 # heap.c is the file named for the C library's heap, threads.c and processors.c for the system; the fast paths need intrinsics.
@@ -230,6 +241,7 @@ check 'file names are unique' file_names_unique
 check 'fixtures are what their generators write' fixtures_as_generated
 check 'fast-math is refused' refuses_fast_math
 check 'every function is one rise of progress' every_function_rises
+check 'no caller reads messages' nobody_reads_messages
 check 'every function has a fault test, a fuzz target and a golden row' every_function_proven
 check 'global names of the static library' static_names
 check 'no writable globals' no_globals

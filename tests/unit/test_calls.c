@@ -160,8 +160,37 @@ static int do_damage(const call *c, int damage, world *w)
     return (takes & IMAGE) != 0;
 }
 
+/* What a damage is called wherever a call finds it; BVX_REASON_NONE where calls differ. */
+static int32_t reason_of_damage(int damage)
+{
+    switch (damage) {
+    case NO_OUT: case NO_MESH: case NO_POINTS: case NO_LATTICE: case NO_GRID: case NO_OTHER: case NO_TREE: case NO_FIELD: case NO_SECTIONS:
+    case NO_VOLUME: case NO_BODY: return BVX_REASON_NULL;
+    case OPTIONS_SIZE: return BVX_REASON_OPTIONS;
+    case OPTIONS_RESERVED: case MESH_RESERVED: case SECTIONS_RESERVED: case VOLUME_RESERVED: case BODY_RESERVED: return BVX_REASON_RESERVED;
+    case MESH_NUMBER: return BVX_REASON_INDEX;
+    case MESH_NAN: case POINTS_NAN: return BVX_REASON_NOT_FINITE;
+    default: return BVX_REASON_NONE;
+    }
+}
+
+/* NULL, or what bvx_last_error has wrong. */
+static const char *wrong_error(const call *c, const bvx_context *ctx, int damage, bvx_status status)
+{
+    const bvx_error *const e = bvx_last_error(ctx);
+    int32_t const expected = reason_of_damage(damage);
+    if (e->status != status) return "gives another status in bvx_last_error";
+    if (e->reason == BVX_REASON_NONE || e->reason >= BVX_REASON_COUNT) return "gives no reason";
+    if (expected != BVX_REASON_NONE && e->reason != expected) return bvx_reason_text(e->reason);
+    if (strcmp(e->function, c->name) != 0) return e->function;
+    if (damage == MESH_NUMBER && e->index != 7) return "names another triangle";
+    if (damage == MESH_NAN && e->index != 5) return "names another vertex";
+    if (strcmp(e->message, bvx_last_message(ctx)) != 0 || strstr(e->message, e->text) == NULL || e->text[0] == 0) return "gives no text";
+    return NULL;
+}
+
 /* NULL, or what was wrong with the refusal. */
-static const char *wrong_refusal(const call *c, const world *w, bvx_context *ctx, uint64_t held, bvx_status status)
+static const char *wrong_refusal(const call *c, const world *w, bvx_context *ctx, uint64_t held, int damage, bvx_status status)
 {
     static result before;
     memset(&before, out.plain[0], sizeof before);
@@ -170,7 +199,7 @@ static const char *wrong_refusal(const call *c, const world *w, bvx_context *ctx
     if (memcmp(&before, &out, sizeof out) != 0) return "wrote something";
     if (bvx_memory_used(ctx) != held) return "kept memory";
     if (w->ctx != NULL && strstr(bvx_last_message(ctx), (c->takes & INNER) != 0 ? "bvx_" : c->name) == NULL) return "gives a message that does not name the function";
-    return NULL;
+    return w->ctx != NULL ? wrong_error(c, ctx, damage, status) : NULL;
 }
 
 static void test_every_call_refuses_every_damage(void)
@@ -198,7 +227,7 @@ static void test_every_call_refuses_every_damage(void)
             memset(&out, 0, sizeof out);
             if (!do_damage(&calls[i], damage, &w)) continue;
             status = calls[i].make(&w);
-            what = wrong_refusal(&calls[i], &w, ctx, held, status);
+            what = wrong_refusal(&calls[i], &w, ctx, held, damage, status);
             if (what != NULL) {
                 printf("%s with %s %s: %s\n", calls[i].name, damage_name[damage], what, bvx_last_message(ctx));
                 wrong++;
@@ -252,7 +281,7 @@ static void test_choices_out_of_range(void)
         BAD(extract_field_surface, field_surface, interpolation, -1), BAD_SWITCH(extract_field_surface, field_surface, sharp),
         BAD_SURFACE(boolean, boolean), BAD(boolean, boolean, fill, 99), BAD(boolean, boolean, interpolation, 99),
         BAD_SWITCH(boolean, boolean, keep_crumbs), BAD(boolean, boolean, sharp, 2), BAD(boolean, boolean, sharp, -2), BAD(build_lods, lod, method, 9), BAD(build_lods, lod, method, -1),
-        BAD(build_lods, lod, edge_samples, -1), BAD(build_lods, lod, threshold, (double)NAN), BAD_SURFACE(build_lods, lod),
+        BAD(build_lods, lod, edge_samples, -1), BAD(build_lods, lod, first_level, -1), BAD(build_lods, lod, threshold, (double)NAN), BAD_SURFACE(build_lods, lod),
         BAD(build_lods, lod, collapse, -1), BAD(build_sections, sections, layers, -1), BAD(build_sections, sections, caps, 9),
         BAD(build_sections, sections, crossings, 9), BAD(build_sections, sections, depth, -1), BAD(build_sections, sections, depth, 99),
         BAD(build_sections, sections, position_type, 9), BAD(build_sections, sections, spacing, -1), BAD(slice_mesh, slice, label, BVX_LABEL_ONLY),

@@ -798,7 +798,7 @@ static void test_options_out_of_range_are_named(void)
     REFUSES(face_rule, 2, "face rule");
     REFUSES(position_type, 3, "position type");
     REFUSES(local_frame, 2, "local_frame");
-    REFUSES(reserved, 1, "reserved");
+    REFUSES(first_level, -1, "first_level");
     REFUSES(struct_size, 3, "size");
     REFUSES(resolutions, NULL, "resolutions");
     REFUSES(axis_resolutions, axes, "exactly one");

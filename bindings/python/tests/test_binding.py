@@ -22,6 +22,8 @@ NOT_NEEDED = {
     "bvx_grid_bound",  # grids are made by the library
     "bvx_write_mesh",  # bvx_write_mesh_with has all choices
     "bvx_lattice_fit",  # bvx_lattice_fit_with has all choices
+    "bvx_last_message",  # bvx_last_error has it in parts
+    "bvx_reason_text",  # exceptions carry the reason's name and the message
 }
 
 

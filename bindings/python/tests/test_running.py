@@ -2,6 +2,7 @@
 
 import inspect
 import os
+import pickle
 import re
 import resource
 import signal
@@ -38,6 +39,32 @@ def test_errors_are_what_python_users_catch():
         bitvox.loads(b"", "docx")
     with pytest.raises(bitvox.FormatError, match="byte|line|header|short|size"):
         bitvox.loads(b"not a mesh", "ply")
+
+
+def test_errors_have_reasons_and_indices():
+    vertices, faces = TETRAHEDRON
+    with pytest.raises(bitvox.RangeError) as caught:
+        bitvox.voxelize((vertices, [[0, 1, 2], [0, 1, 9]]))
+    assert (caught.value.reason, caught.value.index) == ("BVX_REASON_INDEX", 1)
+    spoiled = [[float("nan")] * 3 if n == 2 else list(v) for n, v in enumerate(vertices)]
+    with pytest.raises(bitvox.RangeError) as caught:
+        bitvox.voxelize((spoiled, faces), resolution=8)
+    assert (caught.value.reason, caught.value.index) == ("BVX_REASON_NOT_FINITE", 2)
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (str(again), again.reason, again.index) == (str(caught.value), "BVX_REASON_NOT_FINITE", 2)
+    far = [[x + 5e6 for x in v] for v in vertices]
+    with pytest.raises(bitvox.RangeError) as caught:
+        bitvox.surface(bitvox.voxelize((far, faces), resolution=64), dtype="float32")
+    assert caught.value.reason == "BVX_REASON_FLOATS_COARSE"
+    with pytest.raises(bitvox.MemoryLimitError) as caught:
+        bitvox.voxelize(TETRAHEDRON, resolution=512, memory_limit=1000)
+    assert (caught.value.reason, caught.value.index) == ("BVX_REASON_BUDGET", None)
+    with pytest.raises(bitvox.Cancelled) as caught:
+        bitvox.voxelize(TETRAHEDRON, resolution=300, progress=lambda stage, fraction: False)
+    assert caught.value.reason == "BVX_REASON_CANCELLED"
+    with pytest.raises(bitvox.ArgumentError) as caught:
+        bitvox.voxelize(TETRAHEDRON, resolution=8, spacing=1.0)  # found in Python
+    assert (caught.value.reason, caught.value.index) == ("BVX_REASON_UNSPECIFIED", None)
 
 
 def test_settings_nest_and_end():

@@ -11,10 +11,15 @@ class Error(Exception):
     Attributes:
         code: the library's status, a whole number that never changes its meaning.
         name: the status as the C header writes it, such as ``"BVX_ERR_RANGE"``.
+        reason: why, finer than the status and as fixed as it: a name of the C header's BVX_REASON_LIST, such as
+            ``"BVX_REASON_FLOATS_COARSE"``; ``"BVX_REASON_UNSPECIFIED"`` where none is listed.
+        index: of the vertex, triangle, level, loop or other element that the message names first; None: it names none.
     """
 
     code = 0
     name = "BVX_OK"
+    reason: str = "BVX_REASON_UNSPECIFIED"
+    index: int | None = None
 
 
 class ArgumentError(Error, ValueError):

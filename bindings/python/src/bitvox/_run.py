@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import contextvars
+import functools
 import os
 import time
 from typing import Any, Callable, Iterator, NamedTuple, Union
@@ -30,6 +31,12 @@ _settings: contextvars.ContextVar[_Settings] = contextvars.ContextVar("bitvox", 
 _forked = False
 _counted: tuple[float, int] = (0.0, 0)
 _REMEDIES = {"bvx_repair": "bitvox.repair", "bvx_build_levels": "bitvox.lod", "bvx_grid_distance": "Grid.distance"}
+
+
+@functools.cache
+def _reasons() -> dict[int, str]:
+    """The names of all reasons by their numbers."""
+    return {getattr(lib, name): name for name in dir(lib) if name.startswith("BVX_REASON_") and name != "BVX_REASON_COUNT"}
 
 
 def _after_fork() -> None:
@@ -249,9 +256,7 @@ class Run:
 
     def message(self) -> str:
         """What was wrong, without the name of the C function before it; functions that are a remedy have their names here."""
-        text = ffi.string(lib.bvx_last_message(self.context)).decode("utf-8", "replace")
-        name, colon, words = text.partition(": ")
-        words = words if colon and name.startswith("bvx_") and name.isidentifier() else text
+        words = ffi.string(lib.bvx_last_error(self.context).text).decode("utf-8", "replace")
         for theirs, ours in _REMEDIES.items():
             words = words.replace(theirs, ours)
         return words
@@ -267,7 +272,16 @@ class Run:
         if status == lib.BVX_ERR_RANGE:
             for mesh in self.meshes:
                 mesh._refuse_negative_faces()
-        raise BY_CODE.get(status, Error)(self.message() or ffi.string(lib.bvx_status_text(status)).decode())
+        raise self.failure(status)
+
+    def failure(self, status: int) -> Error:
+        """The last failure as an exception."""
+        made = BY_CODE.get(status, Error)(self.message() or ffi.string(lib.bvx_status_text(status)).decode())
+        found = lib.bvx_last_error(self.context)
+        if found.status == status:
+            made.reason = _reasons().get(found.reason, made.reason)
+            made.index = found.index if found.index >= 0 else None
+        return made
 
 
 def in_range(name: str, value: Any, low: int, high: int) -> int:
