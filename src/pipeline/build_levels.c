@@ -445,6 +445,7 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->collapse.position_type = o->position_type != BVX_POSITION_AUTO ? o->position_type : (int32_t)job->mesh->position_type;
     c->collapse.even = o->even;
     c->collapse.lenient = o->source == BVX_LEVELS_MESH;
+    c->collapse.simple = 1; /* where it is not lenient, which is asked of the mesh, and true of measured surfaces */
     c->count = level_count;
     c->levels = levels;
     c->reports = o->reports;

@@ -1,4 +1,4 @@
-/* box_tree.c - an eight-wide hierarchy of boxes over triangles, kept up to date while edges collapse.
+/* box_tree.c - an eight-wide hierarchy over triangles, of boxes and of what the triangles face, kept up to date while edges collapse.
  *
  * A box that grows is handed upwards until one contains it already, which is soon: most collapses change two
  * nodes or three. */
@@ -45,34 +45,72 @@ static bvxi_box whole_node(const bvxi_box_node *node)
     return box;
 }
 
+/* None of a node's children was removed yet. */
+static bvxi_box_facing whole_facing(const bvxi_box_node *node)
+{
+    bvxi_box_facing f = bvxi_box_faces_nothing();
+
+    for (int a = 0; a < 3; a++)
+        for (int k = 0; k < BVXI_BOX_WIDTH; k++) {
+            if (node->facing_low[a][k] < f.low[a]) f.low[a] = node->facing_low[a][k];
+            if (node->facing_high[a][k] > f.high[a]) f.high[a] = node->facing_high[a][k];
+        }
+    return f;
+}
+
 /* The places of a level's last node that nothing fills. */
 static void clear_rest(bvxi_box_tree *tree, int32_t level, uint64_t used)
 {
     bvxi_box const none = bvxi_box_none();
+    bvxi_box_facing const nothing = bvxi_box_faces_nothing();
 
-    for (uint64_t i = used; i < tree->count[level] * BVXI_BOX_WIDTH; i++)
+    for (uint64_t i = used; i < tree->count[level] * BVXI_BOX_WIDTH; i++) {
         bvxi_box_put(&tree->node[level][i / BVXI_BOX_WIDTH], (int32_t)(i % BVXI_BOX_WIDTH), &none);
+        bvxi_box_put_facing(&tree->node[level][i / BVXI_BOX_WIDTH], (int32_t)(i % BVXI_BOX_WIDTH), &nothing);
+    }
+}
+
+static void set_triangle(bvxi_box_tree *tree, const bvxi_corners *m, uint64_t t)
+{
+    bvxi_box_node *const node = &tree->node[0][t / BVXI_BOX_WIDTH];
+    int32_t const k = (int32_t)(t % BVXI_BOX_WIDTH);
+    const uint32_t *const v = m->triangle[t].vertex;
+    const double *const a = bvxi_corner_position(m, v[0]), *const b = bvxi_corner_position(m, v[1]);
+    const double *const c = bvxi_corner_position(m, v[2]);
+    bvxi_box const box = bvxi_box_of(tree, a, b, c);
+
+    bvxi_box_put(node, k, &box);
+    if (tree->faces) {
+        bvxi_box_facing const facing = bvxi_box_facing_at(a, b, c);
+
+        bvxi_box_put_facing(node, k, &facing);
+    }
+}
+
+/* Child i of a level from the node below it. */
+static void set_child(bvxi_box_tree *tree, int32_t level, uint64_t i)
+{
+    bvxi_box_node *const node = &tree->node[level][i / BVXI_BOX_WIDTH];
+    int32_t const k = (int32_t)(i % BVXI_BOX_WIDTH);
+    bvxi_box const box = whole_node(&tree->node[level - 1][i]);
+
+    bvxi_box_put(node, k, &box);
+    if (tree->faces) {
+        bvxi_box_facing const facing = whole_facing(&tree->node[level - 1][i]);
+
+        bvxi_box_put_facing(node, k, &facing);
+    }
 }
 
 void bvxi_box_tree_set(bvxi_box_tree *tree, const bvxi_corners *m)
 {
     bvxi_box_tree_lay_out(tree, m->triangles, (unsigned char *)(void *)tree->node[0]);
 
-    for (uint64_t t = 0; t < m->triangles; t++) {
-        const uint32_t *const v = m->triangle[t].vertex;
-        bvxi_box const box = bvxi_box_of(tree, bvxi_corner_position(m, v[0]), bvxi_corner_position(m, v[1]),
-                                         bvxi_corner_position(m, v[2]));
-
-        bvxi_box_put(&tree->node[0][t / BVXI_BOX_WIDTH], (int32_t)(t % BVXI_BOX_WIDTH), &box);
-    }
+    for (uint64_t t = 0; t < m->triangles; t++) set_triangle(tree, m, t);
     clear_rest(tree, 0, m->triangles);
 
     for (int32_t l = 1; l < tree->levels; l++) {
-        for (uint64_t i = 0; i < tree->count[l - 1]; i++) {
-            bvxi_box const box = whole_node(&tree->node[l - 1][i]);
-
-            bvxi_box_put(&tree->node[l][i / BVXI_BOX_WIDTH], (int32_t)(i % BVXI_BOX_WIDTH), &box);
-        }
+        for (uint64_t i = 0; i < tree->count[l - 1]; i++) set_child(tree, l, i);
         clear_rest(tree, l, tree->count[l - 1]);
     }
 }
@@ -95,13 +133,35 @@ static int grow_child(bvxi_box_node *node, uint64_t k, const bvxi_box *box)
     return grown;
 }
 
-void bvxi_box_tree_move(bvxi_box_tree *tree, int32_t t, const bvxi_box *box)
+static int grow_facing(bvxi_box_node *node, uint64_t k, const bvxi_box_facing *facing)
+{
+    int grown = 0;
+
+    for (int a = 0; a < 3; a++) {
+        if (facing->low[a] < node->facing_low[a][k]) {
+            node->facing_low[a][k] = facing->low[a];
+            grown = 1;
+        }
+        if (facing->high[a] > node->facing_high[a][k]) {
+            node->facing_high[a][k] = facing->high[a];
+            grown = 1;
+        }
+    }
+    return grown;
+}
+
+void bvxi_box_tree_move(bvxi_box_tree *tree, int32_t t, const bvxi_box *box, const bvxi_box_facing *facing)
 {
     uint64_t child = (uint64_t)t / BVXI_BOX_WIDTH;
 
     bvxi_box_put(&tree->node[0][child], t % BVXI_BOX_WIDTH, box);
+    if (tree->faces) bvxi_box_put_facing(&tree->node[0][child], t % BVXI_BOX_WIDTH, facing);
     for (int32_t l = 1; l < tree->levels; l++) {
-        if (!grow_child(&tree->node[l][child / BVXI_BOX_WIDTH], child % BVXI_BOX_WIDTH, box)) return;
+        bvxi_box_node *const node = &tree->node[l][child / BVXI_BOX_WIDTH];
+        int grown = grow_child(node, child % BVXI_BOX_WIDTH, box);
+
+        if (tree->faces) grown |= grow_facing(node, child % BVXI_BOX_WIDTH, facing);
+        if (!grown) return;
         child /= BVXI_BOX_WIDTH;
     }
 }

@@ -12,6 +12,11 @@
 #include <immintrin.h>
 #endif
 
+/* A triangle's area normal faces what it seems to where its largest part is more than so much of the product of two
+ * sides, and of a size that products of it do not vanish at. */
+#define BVXI_FACING_SINE 1e-5
+#define BVXI_FACING_LEAST 1e-140
+
 enum {
     BVXI_BOX_WIDTH = 8,
     BVXI_BOX_LEVELS = 12,
@@ -25,8 +30,15 @@ typedef struct bvxi_box {
     int16_t low[3], high[3];
 } bvxi_box;
 
+/* What triangles face: their normals, made so long that the largest part is 127, lie between both within half
+ * a step. */
+typedef struct bvxi_box_facing {
+    int8_t low[3], high[3];
+} bvxi_box_facing;
+
 typedef struct bvxi_box_node {
     int16_t low[3][BVXI_BOX_WIDTH], high[3][BVXI_BOX_WIDTH];
+    int8_t facing_low[3][BVXI_BOX_WIDTH], facing_high[3][BVXI_BOX_WIDTH];
 } bvxi_box_node;
 
 typedef struct bvxi_box_tree {
@@ -34,6 +46,7 @@ typedef struct bvxi_box_tree {
                                              7 of level l - 1 */
     uint64_t count[BVXI_BOX_LEVELS];      /* nodes of each level; the last level has one */
     int32_t levels;
+    int32_t faces;        /* 1: nodes say what triangles face; 0: nobody asks */
     double low[3], scale; /* steps = (position - low) * scale */
 } bvxi_box_tree;
 
@@ -166,6 +179,86 @@ static inline void bvxi_box_put(bvxi_box_node *node, int32_t k, const bvxi_box *
     }
 }
 
+/* What a triangle with area normal n faces, anything where rounding may have turned it. reach: no less than the
+ * product of two of its sides. */
+static inline bvxi_box_facing bvxi_box_facing_of(const double n[3], double reach)
+{
+    double const x = bvxi_absolute(n[0]), y = bvxi_absolute(n[1]), z = bvxi_absolute(n[2]);
+    double const largest = x > y ? x > z ? x : z : y > z ? y : z;
+    bvxi_box_facing f = {{INT8_MIN, INT8_MIN, INT8_MIN}, {INT8_MAX, INT8_MAX, INT8_MAX}};
+    double scale;
+
+    if (!(largest > BVXI_FACING_SINE * reach && largest > BVXI_FACING_LEAST)) return f;
+    scale = 127 / largest;
+    for (int a = 0; a < 3; a++)
+        f.low[a] = f.high[a] = (int8_t)(int32_t)(n[a] * scale + (n[a] < 0 ? -0.5 : 0.5));
+    return f;
+}
+
+/* The same of three corners. */
+static inline bvxi_box_facing bvxi_box_facing_at(const double *a, const double *b, const double *c)
+{
+    double n[3], u = 0, v = 0;
+
+    for (int i = 0; i < 3; i++) {
+        u += bvxi_absolute(b[i] - a[i]);
+        v += bvxi_absolute(c[i] - a[i]);
+    }
+    bvxi_area_normal(a, b, c, n);
+    return bvxi_box_facing_of(n, u * v);
+}
+
+/* A direction to compare eight facings with at once, in whole numbers whose products with them stay within 16
+ * bits. */
+typedef struct bvxi_box_direction {
+    int16_t along[3];
+    int16_t margin; /* more than the product changes by half a step along every axis and rounding */
+} bvxi_box_direction;
+
+/* Bit k: all that child k of the node faces has a positive product with the direction for certain. */
+static inline uint32_t bvxi_box_faces(const bvxi_box_node *node, const bvxi_box_direction *d)
+{
+#if defined(__SSE2__) && defined(__GNUC__)
+    __m128i sum = _mm_setzero_si128();
+
+    for (int a = 0; a < 3; a++) {
+        const int8_t *const least = d->along[a] < 0 ? node->facing_high[a] : node->facing_low[a];
+        __m128i const bytes = _mm_loadl_epi64((const __m128i *)(const void *)least);
+        __m128i const words = _mm_srai_epi16(_mm_unpacklo_epi8(bytes, bytes), 8);
+
+        sum = _mm_add_epi16(sum, _mm_mullo_epi16(words, _mm_set1_epi16(d->along[a])));
+    }
+    sum = _mm_cmpgt_epi16(sum, _mm_set1_epi16(d->margin));
+    return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16(sum, sum)) & 0xff;
+#else
+    uint32_t bits = 0;
+
+    for (int k = 0; k < BVXI_BOX_WIDTH; k++) {
+        int32_t sum = 0;
+
+        for (int a = 0; a < 3; a++)
+            sum += d->along[a] * (d->along[a] < 0 ? node->facing_high[a][k] : node->facing_low[a][k]);
+        bits |= (uint32_t)(sum > d->margin) << k;
+    }
+    return bits;
+#endif
+}
+
+static inline void bvxi_box_put_facing(bvxi_box_node *node, int32_t k, const bvxi_box_facing *facing)
+{
+    for (int a = 0; a < 3; a++) {
+        node->facing_low[a][k] = facing->low[a];
+        node->facing_high[a][k] = facing->high[a];
+    }
+}
+
+/* What adds nothing to what others face. */
+static inline bvxi_box_facing bvxi_box_faces_nothing(void)
+{
+    bvxi_box_facing const facing = {{INT8_MAX, INT8_MAX, INT8_MAX}, {INT8_MIN, INT8_MIN, INT8_MIN}};
+    return facing;
+}
+
 /* A box that overlaps none. */
 static inline bvxi_box bvxi_box_none(void)
 {
@@ -173,8 +266,9 @@ static inline bvxi_box bvxi_box_none(void)
     return box;
 }
 
-/* Triangle t has moved: its box is replaced, the boxes above grow. */
-void bvxi_box_tree_move(bvxi_box_tree *tree, int32_t t, const bvxi_box *box);
+/* Triangle t has moved: its box and what it faces are replaced, those above grow. Without tree->faces facing is
+ * not looked at. */
+void bvxi_box_tree_move(bvxi_box_tree *tree, int32_t t, const bvxi_box *box, const bvxi_box_facing *facing);
 /* Triangle t is gone: no box finds it any more. */
 void bvxi_box_tree_remove(bvxi_box_tree *tree, int32_t t);
 

@@ -249,7 +249,7 @@ static void apply_star(bvxi_collapse *c, const bvxi_star *star, const quadric *q
         m->triangle[star->corner[i] >> 2].vertex[star->corner[i] & 3] = u;
         if (i != star->ghost) m->facing[star->link[i]] = star->facing[i];
         if (!bvxi_corner_is_ghost(m, star->corner[i]))
-            bvxi_box_tree_move(&c->boxes, star->corner[i] >> 2, &star->box[i]);
+            bvxi_box_tree_move(&c->boxes, star->corner[i] >> 2, &star->box[i], &star->faces[i]);
     }
     m->facing[u] = star->own_facing;
 
@@ -659,6 +659,8 @@ static bvx_status open_arrays(bvxi_collapse *c)
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->node_bytes, "the triangles' boxes", &c->nodes));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->chunk_bytes, "the edges by their cost", &c->chunks));
 
+    c->boxes.faces = c->options.simple && !c->options.lenient && c->mesh.ghosts == 0 &&
+                     bvxi_corners_pieces(&c->mesh, c->version) == 1;
     c->queue.chunk = (bvxi_queue_chunk *)(void *)c->chunks;
     c->queue.head = (int32_t *)(void *)(c->queue.chunk + c->queue.chunks);
     bvxi_box_tree_lay_out(&c->boxes, c->mesh.triangles, c->nodes);

@@ -298,6 +298,32 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
     return status;
 }
 
+/* ---- Pieces ---- */
+
+/* The vertex that stands for a vertex's piece; the way there becomes half as long. */
+static uint32_t piece_of(uint32_t *parent, uint32_t v)
+{
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+}
+
+uint64_t bvxi_corners_pieces(const bvxi_corners *m, uint32_t *parent)
+{
+    uint64_t pieces = m->vertices;
+
+    for (uint64_t v = 0; v < m->vertices; v++) parent[v] = (uint32_t)v;
+    for (uint64_t t = 0; t < m->triangles; t++)
+        for (int k = 1; k < 3; k++) {
+            uint32_t const a = piece_of(parent, m->triangle[t].vertex[0]);
+            uint32_t const b = piece_of(parent, m->triangle[t].vertex[k]);
+
+            if (a == b) continue;
+            parent[a > b ? a : b] = a > b ? b : a;
+            pieces--;
+        }
+    return pieces;
+}
+
 /* ---- Packing ---- */
 
 /* Mark the vertices that triangles still use, then move these together. */

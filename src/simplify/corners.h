@@ -112,6 +112,9 @@ static inline void bvxi_area_normal(const double *a, const double *b, const doub
  * while an array is replaced, both. */
 bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *mesh, int borders);
 
+/* How many pieces a mesh has; of vertices that no triangle uses each is one. scratch [Size: vertices] */
+uint64_t bvxi_corners_pieces(const bvxi_corners *mesh, uint32_t *scratch);
+
 /* Close the gaps that collapses left: vertices and triangles keep their order. moved [Size: vertices before]
  * becomes the new index of each vertex, or BVXI_VERTEX_NONE. */
 void bvxi_corners_pack(bvxi_corners *mesh, uint32_t *moved);

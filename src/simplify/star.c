@@ -8,8 +8,9 @@
  * The fan of a vertex on a border goes around it less than once.
  * - Triangles without a common vertex are found by their boxes, and parted by a plane: along a facet's
  * normal, through an edge, or along two edges. A pair that no plane parts by more than rounding can move is
- * decided exactly. Guarantee: a mesh without crossing triangles has none after a collapse that is judged
- * safe. */
+ * decided exactly.
+ * In one closed surface all of that is spared where the star and what is near face one way: one_sheet.c.
+ * Guarantee: a mesh without crossing triangles has none after a collapse that is judged safe. */
 #include "simplify/star.h"
 #include "bits/bits.h"
 #include "mesh/cross.h"
@@ -630,10 +631,10 @@ static int meets_found(const bvxi_corners *m, const bvxi_star *star, const bvxi_
     return 0;
 }
 
-static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bvxi_star *star)
+static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bvxi_star *star,
+                            const bvxi_box *all)
 {
-    bvxi_box const all = gather_boxes(m, tree, star);
-    bvxi_box_query const query = bvxi_box_ask(&all);
+    bvxi_box_query const query = bvxi_box_ask(all);
     uint64_t stack[BVXI_BOX_STACK]; /* level in the low bits */
     found_triangles found;
     int32_t depth = 0;
@@ -670,9 +671,14 @@ static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bv
 int bvxi_star_judge(const bvxi_corners *m, const bvxi_box_tree *boxes, bvxi_star *star)
 {
     int verdict = judge_shapes(m, star);
+    bvxi_box all;
 
-    if (verdict == BVXI_STAR_SAFE) verdict = judge_new_fan(m, star);
+    if (verdict != BVXI_STAR_SAFE) return verdict;
+    all = gather_boxes(m, boxes, star);
+    if (boxes->faces && bvxi_star_is_one_sheet(m, boxes, star, &all)) return BVXI_STAR_SAFE;
+
+    verdict = judge_new_fan(m, star);
     if (verdict == BVXI_STAR_SAFE) verdict = judge_link_fans(m, star);
-    if (verdict == BVXI_STAR_SAFE) verdict = judge_neighbours(m, boxes, star);
+    if (verdict == BVXI_STAR_SAFE) verdict = judge_neighbours(m, boxes, star, &all);
     return verdict;
 }

@@ -45,6 +45,7 @@ typedef struct bvxi_star {
     int32_t corner[BVXI_STAR_MOST];    /* of u or v, opposite to the edge from link[i] to link[i + 1] */
     double normal[BVXI_STAR_MOST][3];  /* of the new triangles, twice their area long */
     bvxi_box box[BVXI_STAR_MOST];      /* of the new triangles */
+    bvxi_box_facing faces[BVXI_STAR_MOST]; /* what they face, where the tree says what triangles face */
     bvxi_star_planes planes[BVXI_STAR_MOST];
     double reach; /* no point of the star is further from its new vertex, axes summed */
     bvxi_facing facing[BVXI_STAR_MOST],
@@ -71,5 +72,11 @@ int bvxi_star_gather(const bvxi_corners *mesh, int32_t edge, bvxi_star *star);
 /* BVXI_STAR_SAFE when the new triangles around star->p keep their side, are no needles and cross nothing.
  * Fills what the star says about the new triangles. */
 int bvxi_star_judge(const bvxi_corners *mesh, const bvxi_box_tree *boxes, bvxi_star *star);
+
+/* one_sheet.c: 1 when all triangles that meet the box of the new triangles and u and v, and these themselves,
+ * face one way: then the collapse is safe in one closed surface that does not cross itself. Fills what the new
+ * triangles and the vertices around them face. */
+int bvxi_star_is_one_sheet(const bvxi_corners *mesh, const bvxi_box_tree *boxes, bvxi_star *star,
+                           const bvxi_box *box);
 
 #endif

@@ -1,5 +1,6 @@
 /* test_simplify_parts.c - what simplifying is made of, against slow ways: the queue of edges against a list, the boxes of triangles against
- * all of them, corners against connecting anew, what a collapse changes and whether it crosses against all pairs. */
+ * all of them, corners against connecting anew, what a collapse changes and whether it crosses against all pairs; and that what is known
+ * of a mesh changes nothing. */
 #include "levels_support.h"
 #include "mesh/cross.h"
 #include "simplify/box_tree.h"
@@ -195,6 +196,7 @@ static void open_boxes(void)
         if (high - low > size) size = high - low;
     }
     boxes.scale = BVXI_BOX_HIGHEST / size;
+    boxes.faces = 1;
     bvxi_box_tree_lay_out(&boxes, mesh.triangles, maker_grow(NULL, (size_t)bvxi_box_tree_bytes(mesh.triangles)));
     bvxi_box_tree_set(&boxes, &table);
 }
@@ -268,7 +270,7 @@ static void apply(void)
         table.triangle[star.corner[i] >> 2].vertex[star.corner[i] & 3] = star.u;
         if (boxes.levels == 0) continue;
         table.facing[star.link[i]] = star.facing[i];
-        bvxi_box_tree_move(&boxes, star.corner[i] >> 2, &star.box[i]);
+        bvxi_box_tree_move(&boxes, star.corner[i] >> 2, &star.box[i], &star.faces[i]);
     }
     if (boxes.levels != 0) table.facing[star.u] = star.own_facing;
 }
@@ -350,6 +352,49 @@ static int overlap(const bvxi_box *a, const bvxi_box *b)
     return 1;
 }
 
+static bvxi_box_facing any_facing(void)
+{
+    bvxi_box_facing f;
+    for (int a = 0; a < 3; a++) f.low[a] = f.high[a] = (int8_t)(maker_below(&seed, 255) - 127);
+    return f;
+}
+
+/* Every node's child faces all that what is below it faces; of triangles that are gone nothing is known. */
+static void assert_facings_grow(const bvxi_box_facing *facing, const uint8_t *gone)
+{
+    for (size_t t = 0; t < mesh.triangles; t++)
+        for (uint64_t l = 0, i = t; l < (uint64_t)boxes.levels && !gone[t]; l++, i /= BVXI_BOX_WIDTH) {
+            const bvxi_box_node *const node = &boxes.node[l][i / BVXI_BOX_WIDTH];
+            for (int a = 0; a < 3; a++)
+                TEST_ASSERT_TRUE(node->facing_low[a][i % BVXI_BOX_WIDTH] <= facing[t].low[a] && node->facing_high[a][i % BVXI_BOX_WIDTH] >= facing[t].high[a]);
+        }
+}
+
+/* What eight children face along a direction, against one by one. */
+static void test_facings_along_a_direction(void)
+{
+    for (int round = 0; round < 20000; round++) {
+        bvxi_box_node node;
+        bvxi_box_direction d;
+        uint32_t expected = 0;
+        for (int a = 0; a < 3; a++) d.along[a] = (int16_t)(maker_below(&seed, 127) - 63);
+        d.margin = (int16_t)maker_below(&seed, 105);
+        for (int32_t k = 0; k < BVXI_BOX_WIDTH; k++) {
+            bvxi_box_facing f = any_facing();
+            int least = 0;
+            for (int a = 0; a < 3; a++) {
+                if (round % 3 == 0) f.low[a] = INT8_MIN;
+                else f.low[a] = (int8_t)(f.low[a] - maker_below(&seed, 10) < INT8_MIN ? INT8_MIN : f.low[a] - maker_below(&seed, 10));
+                if (f.low[a] > f.high[a]) f.low[a] = f.high[a];
+                least += d.along[a] * (d.along[a] < 0 ? f.high[a] : f.low[a]);
+            }
+            bvxi_box_put_facing(&node, k, &f);
+            expected |= (uint32_t)(least > d.margin) << k;
+        }
+        TEST_ASSERT_EQUAL_UINT32(expected, bvxi_box_faces(&node, &d));
+    }
+}
+
 /* Every triangle that the tree finds, once. */
 static void find_all(const bvxi_box *box, uint8_t *found)
 {
@@ -378,6 +423,7 @@ static void test_boxes_find_what_all_triangles_show(void)
 {
     enum { MOST = 1 << 16 };
     static bvxi_box now[MOST];
+    static bvxi_box_facing facing[MOST];
     static uint8_t gone[MOST], found[MOST + BVXI_BOX_WIDTH];
     for (int n = 0; n < LEVEL_SHAPES; n += 2) {
         make_shape(&level_shapes[n]);
@@ -395,6 +441,9 @@ static void test_boxes_find_what_all_triangles_show(void)
         TEST_ASSERT_EQUAL_UINT64(1, boxes.count[boxes.levels - 1]);
         memset(gone, 0, sizeof gone);
         for (size_t t = 0; t < mesh.triangles; t++)
+            facing[t] = bvxi_box_facing_at(mesh.p + 3 * (size_t)mesh.t[3 * t], mesh.p + 3 * (size_t)mesh.t[3 * t + 1], mesh.p + 3 * (size_t)mesh.t[3 * t + 2]);
+        assert_facings_grow(facing, gone);
+        for (size_t t = 0; t < mesh.triangles; t++)
             now[t] = bvxi_box_of(&boxes, mesh.p + 3 * (size_t)mesh.t[3 * t], mesh.p + 3 * (size_t)mesh.t[3 * t + 1], mesh.p + 3 * (size_t)mesh.t[3 * t + 2]);
         for (int round = 0; round < 600; round++) {
             int32_t const t = maker_below(&seed, (int32_t)mesh.triangles);
@@ -404,13 +453,15 @@ static void test_boxes_find_what_all_triangles_show(void)
                 gone[t] = 1;
             } else if (!gone[t]) {
                 now[t] = any_box(5000);
-                bvxi_box_tree_move(&boxes, t, &now[t]);
+                facing[t] = any_facing();
+                bvxi_box_tree_move(&boxes, t, &now[t], &facing[t]);
             }
             memset(found, 0, sizeof found);
             find_all(&query, found);
             for (size_t i = 0; i < sizeof found; i++)
                 TEST_ASSERT_EQUAL_INT(i < mesh.triangles && !gone[i] && overlap(&query, &now[i]), found[i]);
         }
+        assert_facings_grow(facing, gone);
         close_boxes();
         close_table();
     }
@@ -475,11 +526,16 @@ static int new_ones_cross(void)
 
 /* New vertices anywhere near their edges: what is judged safe crosses nothing, what is said to cross does. The mesh gets worse and worse
  * by it, so every kind of fan comes by. */
-static void check_verdicts(const char *name, double spread, int32_t floats, uint64_t verdicts[5])
+static void check_verdicts(const char *name, double spread, int32_t floats, uint64_t verdicts[5], uint64_t sheets[2])
 {
+    uint32_t *pieces;
+    int one;
     make_shape(shape_named(name));
     open_table();
     open_boxes();
+    pieces = maker_grow(NULL, table_vertices * sizeof *pieces);
+    one = bvxi_corners_pieces(&table, pieces) == 1;
+    free(pieces);
     for (int round = 0; round < (quick ? 150 : 500) && table.left > 30; round++) {
         int32_t const edge = any_edge();
         double length = 0;
@@ -492,11 +548,24 @@ static void check_verdicts(const char *name, double spread, int32_t floats, uint
             if (floats) star.p[k] = (double)(float)star.p[k];
         }
         if (round % 5 == 0) memcpy(star.p, table.at[star.u].p, sizeof star.p); /* an end, as for flat parts */
+        boxes.faces = 0;
         verdict = bvxi_star_judge(&table, &boxes, &star);
+        boxes.faces = 1;
         TEST_ASSERT_TRUE(verdict >= BVXI_STAR_SAFE && verdict <= BVXI_STAR_CROSSES);
         verdicts[verdict]++;
         snprintf(where, sizeof where, "%s, spread %g, round %d: verdict %d", name, spread, round, verdict);
         if (verdict == BVXI_STAR_CROSSES) TEST_ASSERT_TRUE_MESSAGE(new_ones_cross(), where);
+        if (verdict == BVXI_STAR_SAFE || verdict == BVXI_STAR_CROSSES) {
+            bvxi_box all = bvxi_box_at(&boxes, star.p);
+            int sheet;
+            for (int32_t i = 0; i < star.count; i++) {
+                bvxi_box const at = bvxi_box_at(&boxes, table.at[star.link[i]].p);
+                bvxi_box_join(&all, &at);
+            }
+            sheet = bvxi_star_is_one_sheet(&table, &boxes, &star, &all);
+            sheets[sheet] += (uint64_t)one;
+            if (sheet && one) TEST_ASSERT_EQUAL_INT_MESSAGE(BVXI_STAR_SAFE, verdict, where);
+        }
         if (verdict != BVXI_STAR_SAFE) continue;
         TEST_ASSERT_FALSE_MESSAGE(new_ones_cross(), where);
         for (int32_t i = 0; i < star.count; i++) {
@@ -513,13 +582,69 @@ static void check_verdicts(const char *name, double spread, int32_t floats, uint
 
 static void test_verdicts_equal_all_pairs(void)
 {
-    uint64_t verdicts[5] = {0, 0, 0, 0, 0};
+    uint64_t verdicts[5] = {0, 0, 0, 0, 0}, sheets[2] = {0, 0};
     for (int i = 0; i < LEVEL_SHAPES; i++)
-        for (int n = 0; n < 3; n++) check_verdicts(level_shapes[i].name, n == 0 ? 0.05 : n == 1 ? 0.3 : 1.5, n % 2, verdicts);
+        for (int n = 0; n < 3; n++) check_verdicts(level_shapes[i].name, n == 0 ? 0.05 : n == 1 ? 0.3 : 1.5, n % 2, verdicts, sheets);
     for (int k = 0; k < 5; k++) {
         snprintf(where, sizeof where, "verdict %d: %lu times", k, (unsigned long)verdicts[k]);
         if (k != BVXI_STAR_LINK) TEST_ASSERT_TRUE_MESSAGE(verdicts[k] > 5, where);
     }
+    snprintf(where, sizeof where, "one sheet: %lu times, not: %lu", (unsigned long)sheets[1], (unsigned long)sheets[0]);
+    TEST_ASSERT_TRUE_MESSAGE(sheets[0] > 100 && sheets[1] > 100, where);
+}
+
+/* ---- A mesh that is known not to cross itself ---- */
+
+static uint64_t collapse_known(int32_t simple, uint64_t target, bvx_mesh *result)
+{
+    bvxi_collapse_options const o = {.position_type = BVX_F64, .even = 1e-9, .simple = simple};
+    bvx_mesh_view const view = maker_view(&mesh);
+    bvxi_collapse *collapse;
+    uint64_t crossed;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_open(ctx, "test", &view, &o, &collapse));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_to(collapse, target, target, 0, 1));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_give(collapse, result));
+    crossed = bvxi_collapse_tried(collapse)->crossed;
+    bvxi_collapse_close(collapse);
+    return crossed;
+}
+
+/* The same bytes, whether it is known or not. Returns how often an edge stayed since triangles would have crossed. */
+static uint64_t assert_known_is_the_same(const char *name, uint64_t target)
+{
+    bvx_mesh known = {0}, tested = {0};
+    bvx_mesh_view view;
+    uint64_t crossings = 1, crossed;
+    crossed = collapse_known(1, target, &known);
+    snprintf(where, sizeof where, "%s to %lu", name, (unsigned long)target);
+    TEST_ASSERT_EQUAL_UINT64_MESSAGE(crossed, collapse_known(0, target, &tested), where);
+    TEST_ASSERT_EQUAL_UINT64_MESSAGE(tested.vertex_count, known.vertex_count, where);
+    TEST_ASSERT_EQUAL_UINT64_MESSAGE(tested.triangle_count, known.triangle_count, where);
+    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(tested.positions, known.positions, (size_t)known.vertex_count * 24, where);
+    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(tested.triangles, known.triangles, (size_t)known.triangle_count * 12, where);
+    bvx_mesh_view_of(&known, &view);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
+    TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, crossings, where);
+    bvx_mesh_free(ctx, &known);
+    bvx_mesh_free(ctx, &tested);
+    return crossed;
+}
+
+static void test_what_is_known_changes_nothing(void)
+{
+    static const double centre[3] = {1, 2, 3}, outer[3] = {4, 3, 2}, inner[3] = {3.98, 2.98, 1.98};
+    uint64_t crossed = 0;
+    for (int i = 0; i < LEVEL_SHAPES; i++) {
+        make_shape(&level_shapes[i]);
+        for (uint64_t part = 2; part < 32; part *= 4) crossed += assert_known_is_the_same(level_shapes[i].name, mesh.triangles / part);
+    }
+    TEST_ASSERT_TRUE(crossed > 0);
+
+    /* Two shells, one in the other, that face the same way: what is near faces one way and would cross. */
+    maker_clear(&mesh);
+    maker_star(&mesh, &seed, centre, outer, 0, 40, 60, 1 << 20);
+    maker_star(&mesh, &seed, centre, inner, 0, 40, 60, 1 << 20);
+    TEST_ASSERT_TRUE(assert_known_is_the_same("two shells", 600) > 50);
 }
 
 int main(void)
@@ -531,7 +656,9 @@ int main(void)
     RUN_TEST(test_corners_face_each_other);
     RUN_TEST(test_packed_corners_are_as_if_connected_anew);
     RUN_TEST(test_boxes_find_what_all_triangles_show);
+    RUN_TEST(test_facings_along_a_direction);
     RUN_TEST(test_steps_of_boxes_keep_overlaps);
     RUN_TEST(test_verdicts_equal_all_pairs);
+    RUN_TEST(test_what_is_known_changes_nothing);
     return UNITY_END();
 }
