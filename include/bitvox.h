@@ -330,6 +330,25 @@ typedef struct bvx_mesh_view {
     uint64_t reserved;
 } bvx_mesh_view;
 
+/** The view of packed arrays: three floats a vertex, three vertex numbers a triangle. Nothing is copied. */
+static inline bvx_mesh_view bvx_mesh_view_packed(const float *positions, uint64_t vertex_count, const uint32_t *triangles,
+                                                 uint64_t triangle_count)
+{
+    bvx_mesh_view view;
+
+    view.positions = positions;
+    view.indices = triangles;
+    view.vertex_count = vertex_count;
+    view.triangle_count = triangle_count;
+    view.position_type = BVX_F32;
+    view.position_stride = 0;
+    view.index_type = BVX_U32;
+    view.index_stride = 0;
+    view.colours = NULL;
+    view.reserved = 0;
+    return view;
+}
+
 /** An indexed triangle mesh, counter-clockwise seen from outside. A zeroed struct is empty and ready to receive;
  *  one with arrays and capacities of the caller's is filled in place. */
 typedef struct bvx_mesh {

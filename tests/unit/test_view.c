@@ -341,6 +341,27 @@ static void test_view_of_a_mesh_shows_its_arrays(void)
     TEST_ASSERT_EQUAL_MEMORY(p, q, sizeof q);
 }
 
+static void test_packed_view_is_the_one_written_out(void)
+{
+    static const float xyz[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const uint32_t corners[] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    bvx_mesh_view const expected = {xyz, corners, 4, 4, BVX_F32, 0, BVX_U32, 0, NULL, 0};
+    bvx_mesh_view const view = bvx_mesh_view_packed(xyz, 4, corners, 4);
+    bvx_lattice lattice;
+
+    TEST_ASSERT_EQUAL_PTR(expected.positions, view.positions);
+    TEST_ASSERT_EQUAL_PTR(expected.indices, view.indices);
+    TEST_ASSERT_EQUAL_UINT64(expected.vertex_count, view.vertex_count);
+    TEST_ASSERT_EQUAL_UINT64(expected.triangle_count, view.triangle_count);
+    TEST_ASSERT_EQUAL_UINT32(expected.position_type, view.position_type);
+    TEST_ASSERT_EQUAL_UINT32(expected.position_stride, view.position_stride);
+    TEST_ASSERT_EQUAL_UINT32(expected.index_type, view.index_type);
+    TEST_ASSERT_EQUAL_UINT32(expected.index_stride, view.index_stride);
+    TEST_ASSERT_NULL(view.colours);
+    TEST_ASSERT_EQUAL_UINT64(0, view.reserved);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, 8, &lattice));
+}
+
 static void test_mesh_free_returns_all_that_is_owned(void)
 {
     for (int32_t type = BVX_F32; type <= BVX_F64; type++) {
@@ -378,6 +399,7 @@ int main(void)
     RUN_TEST(test_check_names_the_field_that_is_wrong);
     RUN_TEST(test_check_accepts_the_least_strides_and_ignores_the_index_type_without_indices);
     RUN_TEST(test_view_of_a_mesh_shows_its_arrays);
+    RUN_TEST(test_packed_view_is_the_one_written_out);
     RUN_TEST(test_mesh_free_returns_all_that_is_owned);
     return UNITY_END();
 }
