@@ -253,6 +253,13 @@ BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const struct bvx_mesh_v
 BVX_API bvx_status bvx_lattice_fit_with(bvx_context *context, const struct bvx_mesh_view *mesh,
                                         const bvx_lattice_options *options, bvx_lattice *lattice);
 
+/** The same around a box, low corner and high corner, in place of a mesh's bounds: what a mesh in the box has room in. Sides of 0 are
+ *  allowed; a resolution needs one that is not.
+ *  Returns BVX_ERR_ARGUMENT (also a corner above the other), BVX_ERR_EMPTY (a point and no spacing), BVX_ERR_RANGE (a coordinate that
+ *  is not finite, dims beyond 2^25). Memory: none. Cost: O(1). */
+BVX_API bvx_status bvx_lattice_fit_box(bvx_context *context, const double low[3], const double high[3],
+                                       const bvx_lattice_options *options, bvx_lattice *lattice);
+
 /** A lattice from its parts; fraction_bits follows from dims. Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE. */
 BVX_API bvx_status bvx_lattice_make(bvx_context *context, const double origin[3], const double spacing[3],
                                     const int32_t dims[3], bvx_lattice *lattice);

@@ -445,9 +445,8 @@ int cli_check_lattice(cli_run *run);
 /* The box of the vertices that a mesh's triangles use; one that holds two. */
 void cli_mesh_box(const bvx_mesh *mesh, cli_box *box);
 void cli_join_boxes(cli_box *box, const cli_box *other);
-/* A view of a box's two corners: what is fitted to it is fitted to the box. */
-void cli_box_view(const cli_box *box, bvx_mesh_view *view);
-/* A lattice by the options, around a mesh or around a cloud of points. */
+/* A lattice by the options, around a box, a mesh or a cloud of points. */
+bvx_status cli_make_box_lattice(cli_run *run, const cli_box *box, bvx_lattice *lattice);
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
 bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
 

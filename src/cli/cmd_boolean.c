@@ -108,13 +108,11 @@ static void give_fraction_bits(const cli_box box[2], bvx_lattice *l)
 static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_lattice *lattice)
 {
     cli_box box[2], fit;
-    bvx_mesh_view view;
     bvx_status status;
     for (int i = 0; i < 2; i++) cli_mesh_box(&b->in[i].mesh, &box[i]);
     choose_boolean_box(b, box, &fit);
-    cli_box_view(&fit, &view);
     run->options.padding = 1;
-    status = cli_make_lattice(run, &view, lattice);
+    status = cli_make_box_lattice(run, &fit, lattice);
     if (status == BVX_OK) give_fraction_bits(box, lattice);
     return status;
 }

@@ -9,7 +9,7 @@ typedef struct voxel_job {
     bvx_mesh mesh, second;  /* second: --second */
     bvx_mesh_view view, second_view;
     cli_box box;            /* what the lattice must hold */
-    bvx_mesh_view fitted;   /* what the lattice is fitted to */
+    int boxed;              /* the lattice is fitted to the box, not to the mesh */
     bvx_window window;
     bvx_grid grid;
     int cloud;              /* 1: mesh holds points alone */
@@ -81,7 +81,6 @@ static int choose_box(cli_run *run, voxel_job *job)
     int const based = cli_given(run, "--base"), up = o->up_axis != 0 ? o->up_axis - 1 : 2;
     bvx_lattice unused;
     bvx_status status = BVX_OK;
-    job->fitted = job->view;
     if (o->second == NULL && !based) return CLI_DONE;
     status = bvx_lattice_fit(run->context, &job->view, 1, &unused); /* refuses what has no box */
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
@@ -94,7 +93,7 @@ static int choose_box(cli_run *run, voxel_job *job)
         cli_join_boxes(&job->box, &other);
     }
     if (based && o->base < job->box.low[up]) job->box.low[up] = o->base;
-    cli_box_view(&job->box, &job->fitted);
+    job->boxed = 1;
     return CLI_DONE;
 }
 
@@ -105,7 +104,7 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     int const result = choose_box(run, job);
     bvx_status status;
     if (result != CLI_DONE) return result;
-    status = cli_make_lattice(run, &job->fitted, l);
+    status = job->boxed ? cli_make_box_lattice(run, &job->box, l) : cli_make_lattice(run, &job->view, l);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
     run->report.has_lattice = 1;
     if (job->window.size[0] == 0 && cli_check_far(run, run->options.input[0], &job->view, 0, l) != CLI_DONE) return CLI_FAILED;

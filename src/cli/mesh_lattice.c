@@ -41,23 +41,21 @@ void cli_join_boxes(cli_box *box, const cli_box *other)
     }
 }
 
-void cli_box_view(const cli_box *box, bvx_mesh_view *view)
+/* What a lattice goes around: the first that is not NULL. */
+typedef struct fit_target {
+    const cli_box *box;
+    const bvx_mesh_view *points, *mesh;
+} fit_target;
+
+static bvx_status fit_to(cli_run *run, const fit_target *target, const bvx_lattice_options *fit, bvx_lattice *lattice)
 {
-    static const uint32_t triangle[3] = {0, 1, 1};
-    memset(view, 0, sizeof *view);
-    view->positions = box;
-    view->position_type = BVX_F64;
-    view->vertex_count = 2;
-    view->indices = triangle;
-    view->index_type = BVX_U32;
-    view->triangle_count = 1;
+    if (target->box != NULL) return bvx_lattice_fit_box(run->context, target->box->low, target->box->high, fit, lattice);
+    if (target->points != NULL) return bvx_lattice_fit_points(run->context, target->points, fit, lattice);
+    return bvx_lattice_fit_with(run->context, target->mesh, fit, lattice);
 }
 
-/* bvx_lattice_fit_with, bvx_lattice_fit_points */
-typedef bvx_status fit_fn(bvx_context *context, const bvx_mesh_view *view, const bvx_lattice_options *options, bvx_lattice *lattice);
-
 /* From a given corner up to the mesh's high end. */
-static bvx_status lattice_from_origin(cli_run *run, fit_fn *fit_to, const bvx_mesh_view *view, bvx_lattice *lattice)
+static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bvx_lattice *lattice)
 {
     const cli_options *const o = &run->options;
     bvx_lattice_options fit;
@@ -66,7 +64,7 @@ static bvx_status lattice_from_origin(cli_run *run, fit_fn *fit_to, const bvx_me
     bvx_status status;
     bvx_lattice_options_init(&fit, sizeof fit);
     memcpy(fit.spacing, spacing, sizeof spacing);
-    status = fit_to(run->context, view, &fit, lattice); /* its far end covers the mesh */
+    status = fit_to(run, target, &fit, lattice); /* its far end covers the mesh */
     if (status != BVX_OK) return status;
     for (int a = 0; a < 3; a++) {
         double const far_end = lattice->origin[a] + lattice->dims[a] * lattice->spacing[a];
@@ -76,11 +74,11 @@ static bvx_status lattice_from_origin(cli_run *run, fit_fn *fit_to, const bvx_me
     return bvx_lattice_make(run->context, o->origin.value, spacing, dims, lattice);
 }
 
-static bvx_status make_lattice(cli_run *run, fit_fn *fit_to, const bvx_mesh_view *view, bvx_lattice *lattice)
+static bvx_status make_lattice(cli_run *run, const fit_target *target, bvx_lattice *lattice)
 {
     const cli_options *const o = &run->options;
     bvx_lattice_options fit;
-    if (o->origin.given) return lattice_from_origin(run, fit_to, view, lattice);
+    if (o->origin.given) return lattice_from_origin(run, target, lattice);
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.padding = o->padding;
     if (o->spacing != 0.0)
@@ -88,15 +86,26 @@ static bvx_status make_lattice(cli_run *run, fit_fn *fit_to, const bvx_mesh_view
     else if (o->resolution.count == 3)
         for (int a = 0; a < 3; a++) fit.axis_resolution[a] = (int32_t)o->resolution.value[a];
     else fit.resolution = o->resolution.count == 1 ? (int32_t)o->resolution.value[0] : LATTICE_RESOLUTION;
-    return fit_to(run->context, view, &fit, lattice);
+    return fit_to(run, target, &fit, lattice);
+}
+
+bvx_status cli_make_box_lattice(cli_run *run, const cli_box *box, bvx_lattice *lattice)
+{
+    fit_target const target = {.box = box};
+
+    return make_lattice(run, &target, lattice);
 }
 
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
-    return make_lattice(run, bvx_lattice_fit_with, view, lattice);
+    fit_target const target = {.mesh = view};
+
+    return make_lattice(run, &target, lattice);
 }
 
 bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice)
 {
-    return make_lattice(run, bvx_lattice_fit_points, view, lattice);
+    fit_target const target = {.points = view};
+
+    return make_lattice(run, &target, lattice);
 }

@@ -11,12 +11,13 @@ enum { COMPARED_RESOLUTION = 256 };
 static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int32_t resolution, bvx_lattice *lattice)
 {
     cli_box box, other;
-    bvx_mesh_view view;
+    bvx_lattice_options fit;
     cli_mesh_box(&in[0].mesh, &box);
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
-    cli_box_view(&box, &view);
-    return bvx_lattice_fit(run->context, &view, resolution, lattice);
+    bvx_lattice_options_init(&fit, sizeof fit);
+    fit.resolution = resolution;
+    return bvx_lattice_fit_box(run->context, box.low, box.high, &fit, lattice);
 }
 
 static int voxelize_input(cli_run *run, const bvx_lattice *lattice, cli_input *in)

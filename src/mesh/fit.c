@@ -1,4 +1,4 @@
-/* fit.c - a lattice around a mesh, or a cloud of points.
+/* fit.c - a lattice around a mesh, a cloud of points, or a box.
  *
  * Low-aligned: the mesh's bounds begin on the low corner of the first voxel behind the padding. dims are the least
  * count that covers the bounds; an excess below 2^-40 of the extent is the rounding of the division, holds no
@@ -43,8 +43,48 @@ static double least_cover(double extent, double spacing)
     return whole < 1 ? 1 : whole;
 }
 
-/* points: all vertices count, and triangles do not. */
-static bvx_status fit_lattice(bvx_context *context, const char *name, const bvx_mesh_view *mesh, int points, const bvx_lattice_options *options,
+/* What is fitted to: the first that is not NULL, else the corners. All vertices of points count, and their triangles do not. */
+typedef struct fit_target {
+    const bvx_mesh_view *mesh, *points;
+    const double *low, *high;
+} fit_target;
+
+static bvx_status take_box(bvx_context *ctx, const char *name, const fit_target *target, double low[3], double high[3])
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+
+    if (target->low == NULL || target->high == NULL) return bvxi_fail_null(ctx, name, target->low == NULL ? "low" : "high");
+
+    for (int32_t a = 0; a < 3; a++) {
+        double const from = target->low[a], to = target->high[a];
+
+        if (!(from - from == 0.0) || !(to - to == 0.0))
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: the box is from %g to %g along %s, which is not finite",
+                                 name, from, to, axis_name[a]);
+        if (from > to)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the box's low corner is above its high one along %s: %g and %g", name,
+                             axis_name[a], from, to);
+        low[a] = from;
+        high[a] = to;
+    }
+    return BVX_OK;
+}
+
+static bvx_status take_target(bvx_context *ctx, const char *name, const fit_target *target, double low[3], double high[3])
+{
+    if (target->points != NULL) {
+        bvx_mesh_view cloud;
+
+        BVXI_TRY(bvxi_view_take_points(ctx, name, target->points, &cloud));
+        return bvxi_view_point_bounds(ctx, name, &cloud, low, high);
+    }
+    if (target->mesh == NULL) return take_box(ctx, name, target, low, high);
+
+    BVXI_TRY(bvxi_view_check(ctx, name, target->mesh));
+    return bvxi_view_bounds(ctx, name, target->mesh, low, high);
+}
+
+static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_target *target, const bvx_lattice_options *options,
                               bvx_lattice *lattice)
 {
     bvx_lattice_options o = lattice_defaults;
@@ -54,22 +94,17 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const bvx_
     if (lattice == NULL) return bvxi_fail_null(context, name, "lattice");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(check_fit_options(context, name, &o, &per_axis, &by_spacing));
-    if (points) {
-        bvx_mesh_view cloud;
-        BVXI_TRY(bvxi_view_take_points(context, name, mesh, &cloud));
-        BVXI_TRY(bvxi_view_point_bounds(context, name, &cloud, low, high));
-    } else {
-        BVXI_TRY(bvxi_view_check(context, name, mesh));
-        BVXI_TRY(bvxi_view_bounds(context, name, mesh, low, high));
-    }
+    BVXI_TRY(take_target(context, name, target, low, high));
     for (int32_t a = 0; a < 3; a++) {
         extent[a] = high[a] - low[a];
         if (extent[a] > extent[longest]) longest = a;
     }
     if (!by_spacing && !(extent[longest] > 0))
-        return bvxi_fail(context, BVX_ERR_EMPTY, "%s: all vertices lie at one point, so a resolution gives no spacing", name);
+        return bvxi_fail(context, BVX_ERR_EMPTY, target->mesh == NULL && target->points == NULL ? "%s: the box is a point, so a resolution gives no spacing"
+                                                                          : "%s: all vertices lie at one point, so a resolution gives no spacing",
+                         name);
     if (!(extent[longest] - extent[longest] == 0.0))
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: the mesh's extent is too large for a double", name);
+        return bvxi_fail(context, BVX_ERR_RANGE, "%s: the extent is too large for a double", name);
     for (int32_t a = 0; a < 3; a++) {
         double n;
         if (per_axis) {
@@ -88,16 +123,49 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const bvx_
     return bvx_lattice_make(context, origin, spacing, dims, lattice);
 }
 
+static bvx_status run_fit_mesh(bvx_context *context, const char *name, const bvx_mesh_view *mesh, const bvx_lattice_options *options,
+                               bvx_lattice *lattice)
+{
+    fit_target const target = {.mesh = mesh};
+
+    if (context != NULL && mesh == NULL) return bvxi_fail_null(context, name, "mesh");
+    return fit_lattice(context, name, &target, options, lattice);
+}
+
 bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice_options *options,
                                 bvx_lattice *lattice)
 {
-    return BVXI_CALL(context, fit_lattice(context, "bvx_lattice_fit_with", mesh, 0, options, lattice));
+    return BVXI_CALL(context, run_fit_mesh(context, "bvx_lattice_fit_with", mesh, options, lattice));
+}
+
+static bvx_status run_fit_box(bvx_context *context, const double low[3], const double high[3], const bvx_lattice_options *options,
+                              bvx_lattice *lattice)
+{
+    fit_target const target = {.low = low, .high = high};
+
+    return fit_lattice(context, "bvx_lattice_fit_box", &target, options, lattice);
+}
+
+bvx_status bvx_lattice_fit_box(bvx_context *context, const double low[3], const double high[3], const bvx_lattice_options *options,
+                               bvx_lattice *lattice)
+{
+    return BVXI_CALL(context, run_fit_box(context, low, high, options, lattice));
+}
+
+static bvx_status run_fit_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice_options *options,
+                                 bvx_lattice *lattice)
+{
+    static const char name[] = "bvx_lattice_fit_points";
+    fit_target const target = {.points = points};
+
+    if (context != NULL && points == NULL) return bvxi_fail_null(context, name, "points");
+    return fit_lattice(context, name, &target, options, lattice);
 }
 
 bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice_options *options,
                                   bvx_lattice *lattice)
 {
-    return BVXI_CALL(context, fit_lattice(context, "bvx_lattice_fit_points", points, 1, options, lattice));
+    return BVXI_CALL(context, run_fit_points(context, points, options, lattice));
 }
 
 static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
@@ -109,7 +177,7 @@ static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mes
     if (context != NULL && resolution < 1)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,
                          (int64_t)BVXI_MAX_SIDE);
-    return fit_lattice(context, "bvx_lattice_fit", mesh, 0, &o, lattice);
+    return run_fit_mesh(context, "bvx_lattice_fit", mesh, &o, lattice);
 }
 
 bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution, bvx_lattice *lattice)

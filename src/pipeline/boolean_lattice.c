@@ -49,23 +49,12 @@ static void give_way(const bvxi_body_box box[2], bvx_lattice *l)
 bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t resolution, const bvxi_body_box box[2], bvx_lattice *lattice)
 {
     bvxi_body_box const fit = operation == BVX_BOOLEAN_DIFFERENCE ? box[0] : operation == BVX_BOOLEAN_INTERSECTION ? common_box(box) : joined_boxes(box);
-    double corner[3][3]; /* two corners, the first one again: the box as a triangle */
     bvx_lattice_options o;
-    bvx_mesh_view view;
-
-    memcpy(corner[0], fit.low, sizeof corner[0]);
-    memcpy(corner[1], fit.high, sizeof corner[1]);
-    memcpy(corner[2], fit.low, sizeof corner[2]);
-    memset(&view, 0, sizeof view);
-    view.positions = corner;
-    view.vertex_count = 3;
-    view.triangle_count = 1;
-    view.position_type = BVX_F64;
 
     bvx_lattice_options_init(&o, sizeof o);
     o.resolution = resolution;
     o.padding = 1;
-    BVXI_TRY(bvx_lattice_fit_with(ctx, &view, &o, lattice));
+    BVXI_TRY(bvx_lattice_fit_box(ctx, fit.low, fit.high, &o, lattice));
     give_way(box, lattice);
     return BVX_OK;
 }

@@ -115,6 +115,7 @@ static bvx_status topology(void *user, bvx_context *ctx)
 
 static bvx_status points(void *user, bvx_context *ctx)
 {
+    static const double low[3] = {0, 0, 0}, high[3] = {1, 2, 3};
     bvx_points_options o;
     bvx_lattice_options fit;
     bvx_lattice l;
@@ -122,6 +123,7 @@ static bvx_status points(void *user, bvx_context *ctx)
     (void)user;
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = 30;
+    assert_int_equal(bvx_lattice_fit_box(ctx, low, high, &fit, &l), BVX_OK);
     assert_int_equal(bvx_lattice_fit_points(ctx, &cloud_view, &fit, &l), BVX_OK);
     bvx_points_options_init(&o, sizeof o);
     o.minimum = 2;

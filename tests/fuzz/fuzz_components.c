@@ -106,12 +106,22 @@ static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
     bvx_lattice_options fit;
     bvx_points_options o;
     bvx_points_report r;
-    bvx_lattice lattice;
+    bvx_lattice lattice, boxed;
     bvx_grid whole = {0}, part = {0}, body = {0};
+    double low[3], high[3];
     fuzz_take_mesh(in, &m);
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = fuzz_range(in, 1, 40);
     if (!fuzz_good(ctx, bvx_lattice_fit_points(ctx, &m.view, &fit, &lattice))) return;
+    for (int a = 0; a < 3; a++) {
+        low[a] = high[a] = m.v[0][a];
+        for (uint64_t v = 1; v < m.vertices; v++) {
+            low[a] = m.v[v][a] < low[a] ? m.v[v][a] : low[a];
+            high[a] = m.v[v][a] > high[a] ? m.v[v][a] : high[a];
+        }
+    }
+    fuzz_must(ctx, bvx_lattice_fit_box(ctx, low, high, &fit, &boxed));
+    fuzz_require(memcmp(&boxed, &lattice, sizeof boxed) == 0, "the box of points has another lattice than they have");
     bvx_points_options_init(&o, sizeof o);
     o.minimum = fuzz_range(in, 1, 5);
     o.report = &r;

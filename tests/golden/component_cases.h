@@ -69,6 +69,36 @@ static void component_cases(golden *g)
     noise_case(g, "noise_92", 92);
 }
 
+/* A lattice by the hash of a voxel of it. */
+static void lattice_value(golden *g, const char *key, const bvx_lattice *lattice)
+{
+    bvx_window const first = {{0, 0, 0}, {1, 1, 1}};
+    bvx_grid voxel = {0};
+    uint64_t hash;
+
+    if (golden_good(g, bvx_grid_create(g->context, lattice, &first, &voxel)) && golden_good(g, bvx_grid_hash(g->context, &voxel, &hash)))
+        golden_hex(g, key, hash);
+    bvx_grid_free(g->context, &voxel);
+}
+
+static void box_case(golden *g)
+{
+    static const double low[3] = {-1.25, 0.1, 3000.0}, high[3] = {2.5, 0.1, 3001.7};
+    bvx_lattice_options fit;
+    bvx_lattice lattice;
+
+    bvx_lattice_options_init(&fit, sizeof fit);
+    golden_begin(g, "box_lattice");
+    fit.resolution = 100;
+    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice))) lattice_value(g, "cubic", &lattice);
+    fit.padding = 3;
+    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice))) lattice_value(g, "padded", &lattice);
+    fit.resolution = 0;
+    fit.spacing[0] = fit.spacing[1] = fit.spacing[2] = 0.03;
+    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice))) lattice_value(g, "spacing", &lattice);
+    golden_end(g);
+}
+
 static void cloud_cases(golden *g)
 {
     static const char text[] = "# five\nx y z\n0.1 -2 3e2\n1,2,3,4\n\n5;6;7 // more\n0.5 0.25 0.125\n9 9 9";
@@ -80,6 +110,7 @@ static void cloud_cases(golden *g)
     bvx_grid grid = {0};
     bvx_mesh points = {0};
     uint64_t hash = 0;
+    box_case(g);
     shape_ball(&golden_shape, 40);
     shape_view(&golden_shape, &view);
     bvx_lattice_options_init(&fit, sizeof fit);

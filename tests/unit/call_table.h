@@ -77,6 +77,13 @@ static bvx_status lattice_fit_points(const world *w)
     TAKE_RESERVED(o.reserved);
     return bvx_lattice_fit_points(w->ctx, w->points, &o, (bvx_lattice *)w->out);
 }
+static bvx_status lattice_fit_box(const world *w)
+{
+    TAKE_OPTIONS(lattice, o);
+    o.resolution = 8;
+    TAKE_RESERVED(o.reserved);
+    return bvx_lattice_fit_box(w->ctx, unit_origin, unit_spacing, &o, (bvx_lattice *)w->out);
+}
 static bvx_status lattice_make(const world *w) { return bvx_lattice_make(w->ctx, unit_origin, unit_spacing, eight, (bvx_lattice *)w->out); }
 static bvx_status grid_create(const world *w) { return bvx_grid_create(w->ctx, w->lattice, NULL, (bvx_grid *)w->out); }
 static bvx_status grid_count(const world *w) { return bvx_grid_count(w->ctx, w->grid, (uint64_t *)w->out); }
@@ -378,7 +385,7 @@ typedef struct call {
 #define CALL(name, takes, to) {"bvx_" #name, name, takes, to}
 static const call calls[] = {
     CALL(lattice_fit, MESH, PLAIN), CALL(lattice_fit_with, MESH | OPTIONS | RESERVED, PLAIN),
-    CALL(lattice_fit_points, POINTS | OPTIONS | RESERVED, PLAIN), CALL(lattice_make, 0, PLAIN), CALL(grid_create, LATTICE, TO_GRID),
+    CALL(lattice_fit_points, POINTS | OPTIONS | RESERVED, PLAIN), CALL(lattice_fit_box, OPTIONS | RESERVED, PLAIN), CALL(lattice_make, 0, PLAIN), CALL(grid_create, LATTICE, TO_GRID),
     CALL(grid_count, GRID, PLAIN), CALL(grid_hash, GRID, PLAIN), CALL(mesh_hash, BODY, PLAIN), CALL(mesh_check, MESH, PLAIN),
     CALL(mesh_normals, MESH, PLAIN), CALL(mesh_distance, MESH, PLAIN), CALL(closest_create, MESH, TO_CLOSEST),
     CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN), CALL(mesh_drop_nonfinite, BODY, PLAIN),

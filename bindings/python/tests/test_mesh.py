@@ -200,6 +200,18 @@ def test_pickle_equality_repr():
     assert pickle.loads(pickle.dumps(certificate)) == certificate
 
 
+def test_a_lattice_around_a_box():
+    low, high = (-1.5, 0.25, 1e4), (4.0, 0.5, 1e4 + 2)
+    for options in ({}, {"resolution": 33, "padding": 2}, {"resolution": (3, 4, 5)}, {"spacing": 0.3}, {"spacing": 0.3, "corner": (-2, 0, 9999)}):
+        assert bitvox.Lattice.fit_box(low, high, **options) == bitvox.Lattice.fit(box_mesh(low, high), **options)
+    with pytest.raises(bitvox.ArgumentError, match="along x"):
+        bitvox.Lattice.fit_box(high, low)
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.Lattice.fit_box(low, low)
+    with pytest.raises(bitvox.RangeError):
+        bitvox.Lattice.fit_box(low, (1, float("nan"), 3))
+
+
 def test_float64_where_float32_is_too_coarse():
     far = (V + [500000.0, 5000000.0, 0.0], F)
     grid = bitvox.voxelize(far, spacing=0.5)

@@ -81,7 +81,7 @@ class Lattice:
 
         source = Mesh.of(mesh)
         with Run() as run:
-            return cls._fitted(run, "bvx_lattice_fit_with", source._view(run), resolution, spacing, padding, corner)
+            return cls._fitted(run, "bvx_lattice_fit_with", (source._view(run),), resolution, spacing, padding, corner)
 
     @classmethod
     def fit_points(cls, points: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
@@ -94,10 +94,23 @@ class Lattice:
         from ._points import points_view
 
         with Run() as run:
-            return cls._fitted(run, "bvx_lattice_fit_points", points_view(points, run), resolution, spacing, padding, corner)
+            return cls._fitted(run, "bvx_lattice_fit_points", (points_view(points, run),), resolution, spacing, padding, corner)
 
     @classmethod
-    def _fitted(cls, run: Run, call: str, view: Any, resolution: Any, spacing: Any, padding: int, corner: Any) -> Lattice:
+    def fit_box(cls, low: Sequence[float], high: Sequence[float], *, resolution: Any = None, spacing: Any = None, padding: int = 0,
+                corner: Any = None) -> Lattice:
+        """A lattice around a box, as `fit` makes it around a mesh with these bounds.
+
+        Args:
+            low, high: corners of the box [world].
+            resolution, spacing, padding, corner: as for `fit`.
+        """
+        ends = triple("low", low), triple("high", high)
+        with Run() as run:
+            return cls._fitted(run, "bvx_lattice_fit_box", ends, resolution, spacing, padding, corner)
+
+    @classmethod
+    def _fitted(cls, run: Run, call: str, target: Any, resolution: Any, spacing: Any, padding: int, corner: Any) -> Lattice:
         if corner is not None and (spacing is None or padding):
             raise ArgumentError("corner is taken together with spacing, and without padding")
         if corner is not None and not all(map(math.isfinite, triple("corner", corner))):
@@ -116,7 +129,7 @@ class Lattice:
         options.padding = in_range("padding", padding, 0, 65536)
         self = cls.__new__(cls)
         self._c = ffi.new("bvx_lattice *")
-        run.check(function(call)(run.context, view, options, self._c))
+        run.check(function(call)(run.context, *target, options, self._c))
         return self if corner is None else self._from_corner(triple("corner", corner))
 
     def _from_corner(self, corner: tuple[float, float, float]) -> Lattice:
