@@ -90,6 +90,15 @@ every_function_proven() {
     empty "$work/unproven.txt" 'unproven functions'
 }
 
+# A result may be passed again: tests/unit/test_reuse.c has a row for every function that makes one. Handles of bvx_closest_create
+# are made anew each time.
+every_result_reused() {
+    tr '\n' ' ' <include/bitvox.h | grep -o 'BVX_API bvx_status [^;]*;' | sed 's/const [a-z_ ]*bvx_[a-z_]* \*[a-z_]*//g' |
+        grep -E '[( ]bvx_(grid|mesh|attached|field|octree|sections|buffer|image|volume) \*' | grep -o 'bvx_[a-z0-9_]*(' | tr -d '(' |
+        while read -r f; do grep -q "$f\b" tests/unit/test_reuse.c || echo "$f"; done >"$work/unused.txt"
+    empty "$work/unused.txt" 'no row in test_reuse.c:'
+}
+
 # One rise of progress around each public function that takes a context and returns a status, but for those that report nothing.
 every_function_rises() {
     # shellcheck disable=SC2086
@@ -243,6 +252,7 @@ check 'fixtures are what their generators write' fixtures_as_generated
 check 'fast-math is refused' refuses_fast_math
 check 'every function is one rise of progress' every_function_rises
 check 'no caller reads messages' nobody_reads_messages
+check 'every result can be passed again' every_result_reused
 check 'every function has a fault test, a fuzz target and a golden row' every_function_proven
 check 'global names of the static library' static_names
 check 'no writable globals' no_globals

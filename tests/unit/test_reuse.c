@@ -21,7 +21,8 @@ typedef struct model {
     bvx_sections sections;
     bvx_volume_view volume;
     bvx_image image;
-    bvx_buffer ply, npy, bvx, octree, csv;
+    bvx_buffer ply, npy, bvx, octree, csv, json;
+    uint8_t *colours; /* of mesh */
     float *samples;
     int32_t size;
 } model;
@@ -130,6 +131,31 @@ static bvx_status read_finite(bvx_context *c, const model *m, results *r)
     uint64_t dropped;
 
     return bvx_read_mesh_finite(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &dropped, &r->mesh[0]);
+}
+
+static bvx_status drop_nonfinite(bvx_context *c, const model *m, results *r)
+{
+    bvx_status const status = bvx_read_mesh(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &r->mesh[0]);
+    uint64_t dropped;
+
+    return status == BVX_OK ? bvx_mesh_drop_nonfinite(c, &r->mesh[0], &dropped) : status;
+}
+
+/* Colours of the time before go with the surface that had them, and come again. */
+static bvx_status carry(bvx_context *c, const model *m, results *r)
+{
+    bvx_status const status = bvx_extract_surface(c, &m->solid, NULL, &r->mesh[0]);
+    bvx_mesh source = m->mesh;
+
+    source.colours = m->colours;
+    return status == BVX_OK ? bvx_mesh_carry(c, &source, &r->mesh[0]) : status;
+}
+
+static bvx_status read_lattice(bvx_context *c, const model *m, results *r)
+{
+    bvx_status const status = bvx_read_grid(c, m->npy.bytes, m->npy.size, BVX_FORMAT_NPY, NULL, &r->grid);
+
+    return status == BVX_OK ? bvx_read_lattice(c, m->json.bytes, m->json.size, &r->grid) : status;
 }
 
 static bvx_status pad(bvx_context *c, const model *m, results *r)
@@ -255,6 +281,7 @@ static const struct row {
     {"bvx_grid_union", combine}, {"bvx_grid_complement", complement}, {"bvx_grid_resample", resample}, {"bvx_grid_downsample", downsample},
     {"bvx_grid_intersection", intersect}, {"bvx_grid_subtract", subtract}, {"bvx_grid_xor", differ}, {"bvx_grid_pad", pad},
     {"bvx_grid_erode", erode}, {"bvx_grid_open", open_grid}, {"bvx_grid_close", close_grid}, {"bvx_read_mesh_finite", read_finite},
+    {"bvx_mesh_drop_nonfinite", drop_nonfinite}, {"bvx_mesh_carry", carry}, {"bvx_read_lattice", read_lattice},
     {"bvx_write_mesh_with", write_mesh_with}, {"bvx_render_difference", render_difference},
     {"bvx_grid_crop", crop}, {"bvx_grid_permute", permute}, {"bvx_grid_fill", fill}, {"bvx_grid_hollow", hollow},
     {"bvx_grid_dilate", dilate}, {"bvx_grid_keep", keep}, {"bvx_grid_fill_cavities", cavities}, {"bvx_threshold", threshold},
@@ -280,6 +307,7 @@ static uint64_t signature(bvx_context *c, const results *r)
     if (r->grid.words != NULL && bvx_grid_hash(c, &r->grid, &part) == BVX_OK) h = bvx_hash(&part, sizeof part, h);
     for (int i = 0; i < 2; i++)
         if (r->mesh[i].positions != NULL && bvx_mesh_hash(c, &r->mesh[i], &part) == BVX_OK) h = bvx_hash(&part, sizeof part, h);
+    if (r->mesh[0].colours != NULL) h = bvx_hash(r->mesh[0].colours, (size_t)r->mesh[0].vertex_count * 4, h);
     h = bvx_hash(r->attached.triangles, (size_t)r->attached.triangle_count * 4, h);
     h = bvx_hash(r->field.distances, (size_t)r->field.value_count * 4, h);
     if (r->tree != NULL && bvx_octree_leaves(c, r->tree, BVX_STATE_SURFACE, NULL, 0, &part) == BVX_OK) h = bvx_hash(&part, sizeof part, h);
@@ -437,6 +465,8 @@ static void make_model(model *m, int32_t size)
         o.keys = 1;
         MADE(bvx_extract_surface(ctx, &m->solid, &o, &m->parts[0]));
     }
+    m->colours = malloc((size_t)m->mesh.vertex_count * 4);
+    for (uint64_t i = 0; i < m->mesh.vertex_count * 4; i++) m->colours[i] = (uint8_t)(i % 251);
     bvx_mesh_view_of(&m->mesh, &m->view);
     MADE(bvx_measure_field(ctx, &m->view, &m->lattice, NULL, &m->field));
     bvx_refine_options_init(&refining, sizeof refining);
@@ -451,6 +481,7 @@ static void make_model(model *m, int32_t size)
     MADE(bvx_write_mesh(ctx, &m->mesh, BVX_FORMAT_PLY, &m->ply));
     MADE(bvx_write_grid(ctx, &m->solid, BVX_FORMAT_NPY, &m->npy));
     MADE(bvx_write_grid(ctx, &m->solid, BVX_FORMAT_BVX, &m->bvx));
+    MADE(bvx_write_lattice(ctx, &m->solid, &m->json));
     MADE(bvx_write_octree(ctx, m->tree, 0, BVX_FORMAT_BVX, &m->octree));
     MADE(bvx_write_sections(ctx, &m->sections, BVX_FORMAT_CSV, &m->csv));
 #undef MADE
@@ -458,7 +489,7 @@ static void make_model(model *m, int32_t size)
 
 static void free_model(model *m)
 {
-    bvx_buffer *const files[] = {&m->ply, &m->npy, &m->bvx, &m->octree, &m->csv};
+    bvx_buffer *const files[] = {&m->ply, &m->npy, &m->bvx, &m->octree, &m->csv, &m->json};
 
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) bvx_buffer_free(ctx, files[i]);
     bvx_image_free(ctx, &m->image);
@@ -468,6 +499,7 @@ static void free_model(model *m)
     bvx_mesh_free(ctx, &m->parts[0]);
     bvx_mesh_free(ctx, &m->mesh);
     bvx_grid_free(ctx, &m->solid);
+    free(m->colours);
     free(m->samples);
     memset(m, 0, sizeof *m);
 }
