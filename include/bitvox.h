@@ -2282,7 +2282,7 @@ BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *
 /** What levels are made from. */
 enum {
     BVX_LEVELS_AUTO = 0,     /**< the mesh itself where it is closed, manifold, oriented and its levels do not cross themselves, else its
-                                  measured surface */
+                                  measured surface; that too where the mesh itself would exceed the memory limit */
     BVX_LEVELS_MESH = 1,     /**< the mesh itself: closed, manifold and oriented */
     BVX_LEVELS_MEASURED = 2  /**< the surface that bvx_repair makes of the mesh */
 };
@@ -2296,7 +2296,8 @@ enum {
     BVX_MEASURED_FLIPPED = 4,   /**< neighbours of opposite orientation */
     BVX_MEASURED_FLAT = 5,      /**< triangles without area */
     BVX_MEASURED_LARGE = 6,     /**< a scan of more than 500,000 triangles and 24 times those of the finest level */
-    BVX_MEASURED_CROSSINGS = 7  /**< the mesh crosses itself, and so did its levels */
+    BVX_MEASURED_CROSSINGS = 7, /**< the mesh crosses itself, and so did its levels */
+    BVX_MEASURED_MEMORY = 8     /**< as it is the mesh would have exceeded the memory limit */
 };
 
 typedef struct bvx_levels_report {
@@ -2370,7 +2371,9 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  * BVX_ERR_BUDGET, BVX_CANCELLED. After a failure no level is left.
  * Memory: of n triangles as they are at most 175 bytes each, and of a surface of s triangles measured on grids of g bytes at most the
  * larger of 200 n + 30 s + 5 g and 12 n + 170 s; in both cases with 24 bytes a border edge, 400 KB, and 1.3 MB for each thread where
- * more than 20,000 triangles collapse; with measured errors that of bvx_mesh_distance beside it. Under a memory limit that the planned
+ * more than 20,000 triangles collapse; with measured errors that of bvx_mesh_distance beside it. A memory limit that the mesh as it is
+ * would exceed has its surface measured instead (BVX_MEASURED_MEMORY), which takes about 140 n on a coarse lattice; where source or open
+ * ask for the mesh itself, or nothing fits, the message names a limit that suffices for it. Under a limit that the planned
  * lattice would exceed, coarser ones are tried, by a fifth each, down to 32 voxels: the report says which was taken, and levels may then
  * differ with the number of threads, since threads take memory too. A lattice or a resolution that is given is not lowered.
  * Cost: that of bvx_repair and bvx_mesh_simplify.

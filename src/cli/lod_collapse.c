@@ -94,7 +94,12 @@ static void warn_of_sheets(cli_run *run, const lod_collapse *l)
 
 static void warn_of_lowered(cli_run *run, const lod_collapse *l)
 {
-    if (l->report.resolution < l->report.planned_resolution)
+    if (l->report.reason == BVX_MEASURED_MEMORY)
+        cli_warn(run,
+                 "the mesh itself exceeds the memory limit: its surface was measured with %" PRId32
+                 " voxels along the longest axis, and finer detail is lost; a larger --memory-limit keeps it",
+                 l->report.resolution);
+    else if (l->report.resolution < l->report.planned_resolution)
         cli_warn(run,
                  "the memory limit lowered the resolution from %" PRId32 " to %" PRId32 " voxels along the longest axis; a larger "
                  "--memory-limit keeps more detail",
@@ -138,7 +143,8 @@ static const char *reason_of(const cli_run *run, const lod_collapse *l)
 {
     static const char *const reason[] = {"", "as options ask", "since it is open", "since it is not manifold",
                                          "since some of its triangles are flipped", "since it has triangles without area",
-                                         "since it is a scan much finer than its levels", "since it and its levels cross themselves"};
+                                         "since it is a scan much finer than its levels", "since it and its levels cross themselves",
+                                         "since the mesh itself exceeds the memory limit"};
 
     return run->options.source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
 }

@@ -93,6 +93,8 @@ size_t bvxi_parse_float(const char *text, const char *end, float *value);
  * Progress is asked between batches on the calling thread. Returns BVX_OK or BVX_CANCELLED. */
 bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                          bvx_task_fn *task, void *user);
+/* 0: none */
+uint64_t bvxi_memory_limit(const bvx_context *ctx);
 int32_t bvxi_threads(const bvx_context *ctx);
 /* BVX_CPU_PORTABLE or the fast path that may run. */
 int32_t bvxi_cpu(const bvx_context *ctx);

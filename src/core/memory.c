@@ -120,6 +120,11 @@ void bvx_buffer_free(bvx_context *context, bvx_buffer *buffer)
     memset(buffer, 0, sizeof *buffer);
 }
 
+uint64_t bvxi_memory_limit(const bvx_context *ctx)
+{
+    return ctx->memory_limit;
+}
+
 uint64_t bvx_memory_used(const bvx_context *context)
 {
     return context == NULL ? 0 : context->memory_used;

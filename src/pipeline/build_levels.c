@@ -2,7 +2,7 @@
  *
  * A mesh that is closed, manifold, oriented and does not cross itself is simplified as it is, since nothing
  * is nearer to it. What is not is measured first: the surface that bvx_repair puts between voxels lies a
- * hundredth of a voxel from the mesh and has its guarantee. Sheets are simplified as they are too where their
+ * hundredth of a voxel from the mesh and has its guarantee. So is a mesh that would exceed the memory limit. Sheets are simplified as they are too where their
  * borders are to stay. */
 #include "mesh/mesh.h"
 #include "mesh/pieces.h"
@@ -405,28 +405,75 @@ static int is_defect(int32_t reason)
     return reason >= BVX_MEASURED_OPEN && reason <= BVX_MEASURED_FLAT;
 }
 
-static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
+/* The mesh itself is simplified where nothing is against it; else the report has the reason to measure it. */
+static bvx_status levels_of_mesh(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
 {
-    bvx_certificate *const c = &job->report.before;
-    bvx_context *const ctx = job->ctx;
+    const bvx_certificate *const c = &job->report.before;
     int const open = job->options->open != BVX_OPEN_SHELL;
     double chosen;
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.05, bvx_mesh_check(ctx, welded, 0, c)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.05, 0.25, choose_source(job, welded)));
+    chosen = job->report.reason == BVX_MEASURED_NOT || job->report.reason == BVX_MEASURED_CROSSINGS ? 0.25 : 0.05;
+    if (open && (is_defect(job->report.reason) || is_defect(reason_of(c)))) BVXI_TRY(keep_sheets(job, welded, corner));
+
+    if (job->report.reason == BVX_MEASURED_CROSSINGS)
+        return BVXI_SHARE(job->ctx, chosen, 0.6, try_as_it_is(job, welded));
+    if (job->report.reason == BVX_MEASURED_NOT)
+        return BVXI_SHARE(job->ctx, chosen, 1.0, simplify_as_it_is(job, welded));
+    return BVX_OK;
+}
+
+/* A mesh too large for the memory limit may have a measured surface that fits, unless it was to be taken as it is. */
+static int may_go_over(const levels_job *job, bvx_status status)
+{
+    return status == BVX_ERR_BUDGET && job->options->source == BVX_LEVELS_AUTO && job->options->open == BVX_OPEN_SHELL;
+}
+
+static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
+{
+    bvx_certificate *const c = &job->report.before;
+    bvx_status status;
+
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, bvx_mesh_check(job->ctx, welded, 0, c)));
     if (c->triangles == c->degenerate)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
                          levels_name, job->mesh->triangle_count);
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.05, 0.25, choose_source(job, welded)));
-    chosen = job->report.reason == BVX_MEASURED_NOT || job->report.reason == BVX_MEASURED_CROSSINGS ? 0.25 : 0.05;
-    if (open && (is_defect(job->report.reason) || is_defect(reason_of(c))))
-        BVXI_TRY(keep_sheets(job, welded, corner));
-    if (job->report.reason == BVX_MEASURED_CROSSINGS)
-        BVXI_TRY(BVXI_SHARE(ctx, chosen, 0.6, try_as_it_is(job, welded)));
-    else if (job->report.reason == BVX_MEASURED_NOT)
-        return BVXI_SHARE(ctx, chosen, 1.0, simplify_as_it_is(job, welded));
-    if (job->report.reason == BVX_MEASURED_NOT) return BVX_OK;
-    return BVXI_SHARE(ctx, job->report.reason == BVX_MEASURED_CROSSINGS ? 0.6 : chosen, 1.0, simplify_measured(job));
+    status = levels_of_mesh(job, welded, corner);
+    if (may_go_over(job, status)) {
+        job->report.reason = BVX_MEASURED_MEMORY;
+        job->chain.collapse.lenient = 0;
+    } else if (status != BVX_OK || job->report.reason == BVX_MEASURED_NOT) {
+        return status;
+    }
+    return BVXI_SHARE(job->ctx, job->report.reason == BVX_MEASURED_CROSSINGS ? 0.6 : 0.05, 1.0, simplify_measured(job));
+}
+
+/* ---- What is needed ---- */
+
+/* Most bytes that levels of the mesh itself take, as the header states them. */
+static uint64_t bytes_as_it_is(const levels_job *job)
+{
+    uint64_t const n = job->mesh->triangle_count, finest = finest_of(job->options, job->chain.count, n);
+    uint64_t bytes = 175 * n + 24 * job->report.before.boundary_edges + 400000;
+
+    if (n > 20000) bytes += (uint64_t)bvxi_threads(job->ctx) * 1300000;
+    if (job->options->measure_samples != 0 || job->options->target_errors != NULL) /* bvx_mesh_distance */
+        bytes += 116 * (n + (finest < n ? finest : n));
+    return bytes;
+}
+
+/* Say what limit the call would need, where the mesh itself is too large for the one it has. */
+static bvx_status explain_budget(const levels_job *job, uint64_t used)
+{
+    int const measured = job->report.reason == BVX_MEASURED_MEMORY;
+    uint64_t const needed = used + bytes_as_it_is(job), limit = bvxi_memory_limit(job->ctx);
+
+    if (job->report.reason != BVX_MEASURED_NOT && !measured) return BVX_ERR_BUDGET;
+    if (limit >= needed) return BVX_ERR_BUDGET; /* something else was in the way: its message stays */
+    return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: the memory limit of %u bytes is too small for %u triangles; %u suffice%s", levels_name,
+                     limit, job->mesh->triangle_count, needed,
+                     measured ? ", and their measured surface on the coarsest lattice does not fit either" : "");
 }
 
 static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
@@ -459,10 +506,12 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     double low[3], high[3];
     bvx_mesh_view welded;
     uint32_t *corner = NULL;
+    uint64_t used;
     bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, levels_name, "levels");
+    used = bvx_memory_used(context);
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, levels_name, &o));
     if (o.source == BVX_LEVELS_MESH && wants_measured(&o))
@@ -489,6 +538,7 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     if (status == BVX_OK) status = levels_steps(&job, &welded, corner);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
     bvxi_free(context, corner, mesh->triangle_count * 12);
+    if (status == BVX_ERR_BUDGET) status = explain_budget(&job, used);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;
     return status;
 }

@@ -191,6 +191,85 @@ static void test_limits_that_cannot_be_kept(void)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(where, "limit"), where);
 }
 
+/* ---- Meshes as they are ---- */
+
+/* The number after a message's semicolon. */
+static uint64_t named_limit(void)
+{
+    const char *at = strstr(where, "; ");
+    TEST_ASSERT_NOT_NULL_MESSAGE(at, where);
+    return strtoull(at + 2, NULL, 10);
+}
+
+/* A limit that is too small is refused with one that is not, nor twice too large. */
+static void assert_named_limit_suffices(const bvx_levels_options *o)
+{
+    bvx_mesh made = {0};
+    uint64_t peak, named;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(200000, o, &made, &peak), where);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(where, "memory limit of 200000 bytes is too small for"), where);
+    named = named_limit();
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(named, o, &made, &peak), where);
+    end_within(&made);
+    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
+    TEST_ASSERT_TRUE_MESSAGE(peak <= named && peak > named / 2, where);
+}
+
+static void test_limits_name_what_suffices(void)
+{
+    static const double error = 0.01;
+    bvx_levels_options o = options_at(0);
+    make_star(60, 60);
+    assert_named_limit_suffices(&o); /* neither the mesh nor its surface fits */
+    o.source = BVX_LEVELS_MESH;
+    assert_named_limit_suffices(&o);
+    o.measure_samples = 1000;
+    assert_named_limit_suffices(&o);
+    o.target_triangles = NULL;
+    o.target_errors = &error;
+    assert_named_limit_suffices(&o);
+    o = options_at(0);
+    o.open = BVX_OPEN_CUT;
+    open_star(0);
+    assert_named_limit_suffices(&o);
+}
+
+/* A mesh that is sound but too large for the limit is measured, with the lattice that fits. */
+static void test_limits_measure_what_is_too_large(void)
+{
+    bvx_levels_options o = options_at(0), same = options_at(0);
+    bvx_mesh made = {0};
+    uint64_t peak, all, limit;
+    make_star(200, 200);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(0, &o, &made, &all), where);
+    end_within(&made);
+    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
+    TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_NOT, found.reason);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(all, &o, &made, &peak), where);
+    end_within(&made);
+    TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_NOT, found.reason);
+
+    limit = all / 100 * 85;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(limit, &o, &made, &peak), where);
+    TEST_ASSERT_TRUE_MESSAGE(peak <= limit, where);
+    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, found.source);
+    TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_MEMORY, found.reason);
+    TEST_ASSERT_TRUE(found.resolution >= 32 && found.resolution < found.planned_resolution);
+
+    /* What comes of it is what the resolution gives that the report names. */
+    same.resolution = found.resolution;
+    {
+        bvx_mesh_view const view = maker_view(&mesh);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(ctx, &view, &same, 1, &level[0]));
+    }
+    assert_same_bytes(&level[0], &made);
+    end_within(&made);
+
+    /* Who asks for the mesh itself gets it or nothing. */
+    o.source = BVX_LEVELS_MESH;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(limit, &o, &made, &peak), where);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -199,5 +278,7 @@ int main(void)
     RUN_TEST(test_memory_of_meshes_as_they_are);
     RUN_TEST(test_limits_lower_the_lattice);
     RUN_TEST(test_limits_that_cannot_be_kept);
+    RUN_TEST(test_limits_name_what_suffices);
+    RUN_TEST(test_limits_measure_what_is_too_large);
     return UNITY_END();
 }
