@@ -39,6 +39,10 @@ typedef struct bvxi_closest {
  * Memory: 72 bytes a triangle of floats, 108 of doubles, no more while it is built. */
 bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to, const bvx_mesh_view *view,
                               const double low[3], const double high[3], double scale, bvxi_closest_tree *tree);
+/* The same, but from the triangles' positions alone: their order, their corners' and the vertices' numbers do not show in
+ * a bit. Triangles are numbered along the curve. */
+bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, double from, double to, const bvx_mesh_view *view,
+                                         const double low[3], const double high[3], double scale, bvxi_closest_tree *tree);
 void bvxi_closest_free(bvx_context *ctx, bvxi_closest_tree *tree);
 
 /* The least (distance2, triangle) over all triangles, as bvxi_closest_on_triangle computes them: the tree never shows.

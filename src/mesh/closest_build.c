@@ -2,15 +2,19 @@
  *
  * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space, then pack each four neighbours
  * into a node, level by level; no pointers, no recursion, the shape follows from the count alone. The curve is
- * Morton's over the centres of the triangles' boxes; equal places keep the order of triangle numbers.
+ * Morton's over the centres of the triangles' boxes; equal places keep the order of triangle numbers, or are ordered by a
+ * hash of the corners' positions where no numbering may show.
  * Boxes are floats rounded outwards, in units in which the mesh lies within [-1, 1]. */
 #include "mesh/closest.h"
+#include "core/hash.h"
+#include "mesh/facet.h"
 #include "mesh/radix.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
 
 enum {
     CLOSEST_BITS = 16,   /* of the curve along each axis */
+    CLOSEST_FEW = 16,    /* triangles of one key that are sorted one by one */
     CLOSEST_GRAIN = 4096 /* least triangles or nodes a task */
 };
 
@@ -19,6 +23,7 @@ typedef struct closest_builder {
     const bvx_mesh_view *view;
     uint64_t *keys;
     int32_t pieces;
+    int unnumbered; /* 1: the numbers of triangles, vertices and corners do not show */
 } closest_builder;
 
 /* Bounds of a triangle in box units. */
@@ -90,12 +95,80 @@ static float float_above(double x)
     return -float_below(-x);
 }
 
+/* Turn a triangle's corners: the lowest position first, of two such corners the one whose next is lower. */
+static void turn_to_lowest(const bvx_mesh_view *view, uint32_t c[3])
+{
+    double p[3][3];
+    uint32_t const was[3] = {c[0], c[1], c[2]};
+    int first = 0;
+
+    for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+    for (int k = 1; k < 3; k++)
+        if (bvxi_corner_before(p[k], p[first]) ||
+            (!bvxi_corner_before(p[first], p[k]) && bvxi_corner_before(p[(k + 1) % 3], p[(first + 1) % 3])))
+            first = k;
+    for (int k = 0; k < 3; k++) c[k] = was[(first + k) % 3];
+}
+
+static uint64_t hash_of_corners(const bvx_mesh_view *view, uint64_t triangle)
+{
+    uint32_t c[3];
+    bvxi_hash hash;
+
+    bvxi_view_triangle(view, triangle, c);
+    turn_to_lowest(view, c);
+    bvxi_hash_start(&hash, 0);
+    for (int k = 0; k < 3; k++) {
+        double p[3];
+
+        bvxi_view_position(view, c[k], p);
+        for (int a = 0; a < 3; a++) p[a] += 0.0; /* -0 is 0 */
+        bvxi_hash_f64(&hash, p, 3);
+    }
+    return bvxi_hash_end(&hash);
+}
+
+/* A few triangles of one key by their hashes, which are in keys. */
+static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
+{
+    for (uint64_t i = 1; i < count; i++) {
+        uint64_t const key = keys[i];
+        uint32_t const triangle = order[i];
+        uint64_t j = i;
+
+        for (; j > 0 && keys[j - 1] > key; j--) {
+            keys[j] = keys[j - 1];
+            order[j] = order[j - 1];
+        }
+        keys[j] = key;
+        order[j] = triangle;
+    }
+}
+
+/* Triangles of equal keys by a hash of their positions; keys are used up. */
+static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
+{
+    uint64_t const n = b->tree->triangle_count;
+    uint64_t end;
+
+    for (uint64_t first = 0; first < n; first = end) {
+        for (end = first + 1; end < n && b->keys[end] == b->keys[first]; end++) {}
+        if (end - first == 1) continue;
+
+        for (uint64_t i = first; i < end; i++) b->keys[i] = hash_of_corners(b->view, b->tree->order[i]);
+        if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
+        else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
+    }
+    return BVX_OK;
+}
+
 static void copy_curve_corners(const closest_builder *b, uint64_t place)
 {
     size_t const point = b->tree->position_type == BVX_F32 ? 12 : 24;
     unsigned char *const to = (unsigned char *)b->tree->corners + 3 * point * (size_t)place;
     uint32_t c[3];
     bvxi_view_triangle(b->view, b->tree->order[place], c);
+    if (b->unnumbered) turn_to_lowest(b->view, c);
     for (size_t k = 0; k < 3; k++) memcpy(to + k * point, bvxi_view_position_at(b->view, c[k]), point);
 }
 
@@ -180,6 +253,7 @@ static bvx_status sort_along_curve(bvx_context *ctx, const char *stage, double f
     b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
     status = bvxi_parallel(ctx, stage, from, to, b->pieces, make_curve_keys, b);
     if (status == BVX_OK) status = bvxi_radix_sort(ctx, b->keys, b->tree->order, n);
+    if (status == BVX_OK && b->unnumbered) status = order_by_positions(ctx, b);
     bvxi_free(ctx, b->keys, n * sizeof *b->keys);
     return status;
 }
@@ -201,15 +275,34 @@ static bvx_status build_closest_tree(bvx_context *ctx, const char *stage, double
     return BVX_OK;
 }
 
+static bvx_status build_or_free(bvx_context *ctx, const char *stage, double from, double to, closest_builder *b)
+{
+    bvx_status const status = build_closest_tree(ctx, stage, from, to, b);
+
+    if (status != BVX_OK) bvxi_closest_free(ctx, b->tree);
+    return status;
+}
+
 bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to, const bvx_mesh_view *view,
                               const double low[3], const double high[3], double scale, bvxi_closest_tree *tree)
 {
-    closest_builder b = {tree, view, NULL, 0};
-    bvx_status status;
+    closest_builder b = {.tree = tree, .view = view};
+
     plan_closest_tree(view, low, high, scale, tree);
-    status = build_closest_tree(ctx, stage, from, to, &b);
-    if (status != BVX_OK) bvxi_closest_free(ctx, tree);
-    return status;
+    return build_or_free(ctx, stage, from, to, &b);
+}
+
+bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, double from, double to, const bvx_mesh_view *view,
+                                         const double low[3], const double high[3], double scale, bvxi_closest_tree *tree)
+{
+    closest_builder b = {.tree = tree, .view = view, .unnumbered = 1};
+
+    plan_closest_tree(view, low, high, scale, tree);
+    BVXI_TRY(build_or_free(ctx, stage, from, to, &b));
+
+    /* Of equally near triangles the one that comes first along the curve counts. */
+    for (uint64_t i = 0; i < tree->triangle_count; i++) tree->order[i] = (uint32_t)i;
+    return BVX_OK;
 }
 
 void bvxi_closest_free(bvx_context *ctx, bvxi_closest_tree *tree)

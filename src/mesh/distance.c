@@ -2,7 +2,7 @@
  *
  * Sample i of n takes its place in the i-th n-th of the surface's area, the triangles lying along the search tree's
  * curve through space (stratified, so noise falls faster than with independent points, and the next search finds its
- * boxes where the last one left them), and a uniform place in the triangle that owns it. Its random numbers come from
+ * boxes where the last one left them; no numbering of the mesh shows), and a uniform place in the triangle that owns it. Its random numbers come from
  * a counter, so samples do not depend on each other. The closest point of the other mesh is exact up to rounding.
  * Blocks of samples, whose number follows from n alone, are summed apart and added in order: threads never show.
  * Source of the counter's mixing: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators. 2014. */
@@ -195,7 +195,7 @@ static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, doub
 {
     if (kept->built && kept->tree.scale == scale) return BVX_OK;
     bvxi_distance_forget(ctx, kept);
-    BVXI_TRY(bvxi_closest_build(ctx, "distance", 0.0, 0.1, a->view, a->low, a->high, scale, &kept->tree));
+    BVXI_TRY(bvxi_closest_build_unnumbered(ctx, "distance", 0.0, 0.1, a->view, a->low, a->high, scale, &kept->tree));
     kept->built = 1;
     return BVX_OK;
 }
@@ -210,7 +210,7 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_si
     distance_way ab, ba;
     bvx_status status;
     BVXI_TRY(build_kept_tree(ctx, a, scale, kept));
-    status = bvxi_closest_build(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale, &tree_b);
+    status = bvxi_closest_build_unnumbered(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale, &tree_b);
     if (status == BVX_OK) status = measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab);
     if (status == BVX_OK) status = measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba);
     if (status == BVX_OK) make_distance_report(&ab, &ba, samples, seed, report);

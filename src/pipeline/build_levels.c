@@ -9,6 +9,7 @@
 #include "mesh/radix.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
+#include "simplify/colours.h"
 #include "simplify/levels.h"
 
 #include <math.h>
@@ -68,7 +69,7 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
                          "%s: outer fills every cavity; least_cavity is not used with it", function);
     if (o->open < BVX_OPEN_SHELL || o->open > BVX_OPEN_CUT)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: open %d is unknown", function, (int64_t)o->open);
-    if (o->reserved0 != 0 || (o->reserved[0] | o->reserved[1] | o->reserved[2]) != 0)
+    if (o->reserved0 != 0 || (o->reserved[0] | o->reserved[1]) != 0)
         return bvxi_fail_reserved(ctx, function, "");
     return BVX_OK;
 }
@@ -275,6 +276,22 @@ static bvx_status repair_surface(levels_job *job, int32_t resolution, bvx_mesh *
     return bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface);
 }
 
+/* Levels of the surface, which has the colours of the mesh where these have a weight. */
+static bvx_status simplify_surface(levels_job *job, bvx_mesh_view *view)
+{
+    int const coloured = job->options->colour_weight > 0 && job->mesh->colours != NULL;
+    uint64_t const bytes = view->vertex_count * 4;
+    uint8_t *colours = NULL;
+    bvx_status status = BVX_OK;
+
+    if (coloured) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the surface's colours", &colours);
+    if (coloured && status == BVX_OK) status = bvxi_nearest_colours(job->ctx, job->mesh, view, colours);
+    view->colours = colours;
+    if (status == BVX_OK) status = bvxi_levels_make(job->ctx, &job->chain, view);
+    bvxi_free(job->ctx, colours, bytes);
+    return status;
+}
+
 static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
 {
     bvx_mesh surface = {0};
@@ -290,7 +307,7 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
         job->report.source = BVX_LEVELS_MEASURED;
         job->report.triangles = view.triangle_count;
         job->chain.collapse.position_type = surface.position_type;
-        status = BVXI_SHARE(job->ctx, 0.25, 1.0, bvxi_levels_make(job->ctx, &job->chain, &view));
+        status = BVXI_SHARE(job->ctx, 0.25, 1.0, simplify_surface(job, &view));
     }
     bvx_mesh_free(job->ctx, &surface);
     return status;
@@ -458,6 +475,7 @@ static uint64_t bytes_as_it_is(const levels_job *job)
     uint64_t bytes = 175 * n + 24 * job->report.before.boundary_edges + 400000;
 
     if (n > 20000) bytes += (uint64_t)bvxi_threads(job->ctx) * 1300000;
+    if (job->options->colour_weight > 0) bytes += 190 * job->mesh->vertex_count;
     if (job->options->measure_samples != 0 || job->options->target_errors != NULL) /* bvx_mesh_distance */
         bytes += 116 * (n + (finest < n ? finest : n));
     return bytes;
@@ -491,6 +509,7 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->measure_samples = o->measure_samples;
     c->collapse.position_type = o->position_type != BVX_POSITION_AUTO ? o->position_type : (int32_t)job->mesh->position_type;
     c->collapse.even = o->even;
+    c->collapse.colour_weight = o->colour_weight;
     c->collapse.lenient = o->source == BVX_LEVELS_MESH;
     c->collapse.simple = 1; /* where it is not lenient, which is asked of the mesh, and true of measured surfaces */
     c->count = level_count;

@@ -9,6 +9,8 @@
  * and the boxes and the queue are made anew, so that memory is walked in the order of space and edges that
  * were refused come back.
  *
+ * Colours of vertices add a quadric of their own where they have a weight (colours.c).
+ *
  * At borders planes are added that stand on the triangle along each border edge, so that borders keep their
  * place and corners.
  *
@@ -157,25 +159,53 @@ static int least_point(const quadric *q, const double middle[3], double reach, d
     return 1;
 }
 
+static void offset_between(const bvxi_collapse *c, uint32_t u, uint32_t v, double offset[3])
+{
+    for (int k = 0; k < 3; k++) offset[k] = (c->mesh.at[v].p[k] - c->mesh.at[u].p[k]) * c->scale;
+}
+
+/* What both ends' colours cost about u, added to their quadric. */
+static void add_colour_cost(const bvxi_collapse *c, uint32_t u, uint32_t v, quadric *q)
+{
+    bvxi_colour_quadric both;
+    double offset[3];
+
+    offset_between(c, u, v, offset);
+    bvxi_colours_join(&c->colour[u], &c->colour[v], offset, &both);
+    bvxi_colours_add(&both, q->a, q->b, &q->c);
+}
+
+/* The cost of an edge whose ends' quadric is q, at an offset from u. */
+static double cost_at(const bvxi_collapse *c, uint32_t u, uint32_t v, const quadric *q, const double d[3])
+{
+    quadric all = *q;
+
+    if (c->colour != NULL) add_colour_cost(c, u, v, &all);
+    return quadric_at(&all, d);
+}
+
 /* Where an edge's ends would meet, as an offset from u, and what it costs. q becomes both ends' quadric about
- * u. */
+ * u, of planes alone. */
 static double meeting_point(const bvxi_collapse *c, uint32_t u, uint32_t v, quadric *q, double d[3])
 {
-    const bvxi_corner_vertex *const from = &c->mesh.at[u], *const to = &c->mesh.at[v];
-    double offset[3], middle[3], length = 0, at_v;
+    double offset[3], middle[3], length = 0, at_u, at_v;
+    quadric all;
 
+    offset_between(c, u, v, offset);
     for (int k = 0; k < 3; k++) {
-        offset[k] = (to->p[k] - from->p[k]) * c->scale;
         middle[k] = 0.5 * offset[k];
         length += offset[k] * offset[k];
     }
-    join_quadrics(from, to, offset, q);
-    if (least_point(q, middle, 4 * length, d)) return quadric_at(q, d);
+    join_quadrics(&c->mesh.at[u], &c->mesh.at[v], offset, q);
+    all = *q;
+    if (c->colour != NULL) add_colour_cost(c, u, v, &all);
+    if (least_point(&all, middle, 4 * length, d)) return quadric_at(&all, d);
 
     /* Where the planes leave it open: the better end, which stays on the surface. */
-    at_v = quadric_at(q, offset);
-    for (int k = 0; k < 3; k++) d[k] = at_v < q->c ? offset[k] : 0;
-    return at_v < q->c ? at_v : q->c;
+    at_u = all.c;
+    at_v = quadric_at(&all, offset);
+    for (int k = 0; k < 3; k++) d[k] = at_v < at_u ? offset[k] : 0;
+    return at_v < at_u ? at_v : at_u;
 }
 
 void bvxi_collapse_put(bvxi_collapse *c, int32_t corner)
@@ -225,6 +255,15 @@ static void settle_vertex(bvxi_collapse *c, const bvxi_star *star, const quadric
     bvxi_corner_vertex *const at = &c->mesh.at[star->u];
     double d[3], g[3];
 
+    if (c->colour != NULL) {
+        bvxi_colour_quadric both;
+
+        offset_between(c, star->u, star->v, d);
+        bvxi_colours_join(&c->colour[star->u], &c->colour[star->v], d, &both);
+        for (int k = 0; k < 3; k++) d[k] = (star->p[k] - at->p[k]) * c->scale;
+        bvxi_colours_move(&both, d);
+        c->colour[star->u] = both;
+    }
     for (int k = 0; k < 3; k++) {
         d[k] = (star->p[k] - at->p[k]) * c->scale;
         at->p[k] = star->p[k];
@@ -286,7 +325,7 @@ static int judge_elsewhere(bvxi_collapse *c, const quadric *q, int32_t bucket)
         double d[3];
 
         for (int k = 0; k < 3; k++) d[k] = 0.5 * i * (to[k] - from[k]) * c->scale;
-        if (bvxi_queue_bucket(quadric_at(q, d)) <= bucket + BVXI_QUEUE_OCTAVE &&
+        if (bvxi_queue_bucket(cost_at(c, c->star.u, c->star.v, q, d)) <= bucket + BVXI_QUEUE_OCTAVE &&
             judge_at(c, d) == BVXI_STAR_SAFE)
             return BVXI_STAR_SAFE;
     }
@@ -348,7 +387,12 @@ static void pack_collapse(bvxi_collapse *c)
 {
     bvxi_corners *const m = &c->mesh;
 
-    if (m->left != m->triangles) bvxi_corners_pack(m, c->version);
+    if (m->left != m->triangles) {
+        uint64_t const vertices = m->vertices;
+
+        bvxi_corners_pack(m, c->version);
+        if (c->colour != NULL) bvxi_colours_pack(c->colour, vertices, c->version);
+    }
     memset(c->version, 0, (size_t)m->vertices * sizeof *c->version);
     bvxi_box_tree_set(&c->boxes, m);
 
@@ -364,7 +408,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, d
     uint64_t begun, collapsed = c->counts.collapsed;
     bvxi_queue_entry entry;
 
-    if (bvxi_collapse_is_far(c, target, level)) {
+    if (c->colour == NULL && bvxi_collapse_is_far(c, target, level)) {
         BVXI_TRY(bvxi_collapse_cells(c, target, level, from, 0.5 * (from + to)));
         from = 0.5 * (from + to);
     }
@@ -499,6 +543,7 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
 
         bvxi_view_position(o->view, o->index[i], p);
         for (int a = 0; a < 3; a++) c->mesh.at[i].p[a] = rounded(c, p[a]);
+        if (c->tint != NULL) memcpy(c->tint + 4 * i, o->view->colours + 4 * (size_t)o->index[i], 4);
         o->rank[o->index[i]] = (uint32_t)i;
     }
     return order_triangles(c, o);
@@ -540,6 +585,8 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     c->mesh.vertex_room = mark_used(&o);
     status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
                         &c->mesh.at);
+    if (status == BVX_OK && c->options.colour_weight > 0 && mesh->colours != NULL)
+        status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' colours", &c->tint);
     if (status == BVX_OK) status = take_mesh(c, &o);
     bvxi_free(c->ctx, block, bytes);
     return status;
@@ -640,6 +687,15 @@ static bvx_status start_quadrics(bvxi_collapse *c)
     return BVX_OK;
 }
 
+static bvx_status start_colours(bvxi_collapse *c)
+{
+    if (c->tint == NULL) return BVX_OK;
+
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->colour, "the quadrics of colours", &c->colour));
+    bvxi_colours_start(&c->mesh, c->tint, c->options.colour_weight, c->scale, c->colour);
+    return BVX_OK;
+}
+
 /* ---- */
 
 static bvx_status open_arrays(bvxi_collapse *c)
@@ -685,6 +741,7 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     BVXI_TRY(order_mesh(c, mesh, low, size));
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
     BVXI_TRY(start_quadrics(c));
+    BVXI_TRY(start_colours(c));
 
     c->packed = UINT64_MAX; /* boxes and queue are not set yet */
     return open_arrays(c);
@@ -722,6 +779,8 @@ void bvxi_collapse_close(bvxi_collapse *c)
     bvxi_free(c->ctx, c->version, c->begun_vertices * sizeof *c->version);
     bvxi_free(c->ctx, c->mesh.facing, c->begun_vertices * sizeof *c->mesh.facing);
     bvxi_free(c->ctx, c->mesh.triangle, c->mesh.triangle_room * sizeof *c->mesh.triangle);
+    bvxi_free(c->ctx, c->colour, c->mesh.vertex_room * sizeof *c->colour);
+    bvxi_free(c->ctx, c->tint, c->mesh.vertex_room * 4);
     bvxi_free(c->ctx, c->mesh.at, c->mesh.vertex_room * sizeof *c->mesh.at);
     bvxi_free(c->ctx, c, sizeof *c);
 }

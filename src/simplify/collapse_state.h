@@ -2,6 +2,7 @@
 #ifndef BVXI_COLLAPSE_STATE_H
 #define BVXI_COLLAPSE_STATE_H
 
+#include "simplify/colours.h"
 #include "simplify/corners.h"
 #include "simplify/queue.h"
 #include "simplify/simplify.h"
@@ -21,6 +22,8 @@ struct bvxi_collapse {
     bvxi_corners mesh;
     bvxi_box_tree boxes;
     bvxi_queue queue;
+    uint8_t *tint;               /* colours of the vertices as they were opened, or NULL */
+    bvxi_colour_quadric *colour; /* of each vertex, or NULL */
     uint32_t *version; /* of each vertex: grows when it moves */
     double scale;      /* quadrics measure lengths in units of 1 / scale, the mesh's size */
     double area;       /* of the mesh as it was opened, in the same units */

@@ -26,6 +26,9 @@ bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
     if (!(c->collapse.even >= 0 && c->collapse.even <= 1))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: even %g is outside 0 to 1", c->function,
                          c->collapse.even);
+    if (!(c->collapse.colour_weight >= 0 && c->collapse.colour_weight <= 1))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: colour_weight %g is outside 0 to 1", c->function,
+                         c->collapse.colour_weight);
     if (c->measure_samples > INT32_MAX)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: measure_samples %u is above 2^31 - 1", c->function,
                          c->measure_samples);

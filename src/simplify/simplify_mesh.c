@@ -51,7 +51,7 @@ static bvx_status check_simplify_options(bvx_context *ctx, const bvx_simplify_op
     BVXI_TRY(bvxi_check_position_type(ctx, simplify_name, o->position_type));
     if (o->open < BVX_OPEN_SHELL || o->open > BVX_OPEN_CUT)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: open %d is unknown", simplify_name, (int64_t)o->open);
-    if ((o->reserved[0] | o->reserved[1] | o->reserved[2] | o->reserved[3]) != 0)
+    if ((o->reserved[0] | o->reserved[1] | o->reserved[2]) != 0)
         return bvxi_fail_reserved(ctx, simplify_name, "");
     return BVX_OK;
 }
@@ -100,6 +100,7 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     chain.measure_samples = o.measure_samples;
     chain.collapse.position_type = o.position_type != BVX_POSITION_AUTO ? o.position_type : (int32_t)mesh->position_type;
     chain.collapse.even = o.even;
+    chain.collapse.colour_weight = o.colour_weight;
     chain.collapse.lenient = 1;
     chain.count = level_count;
     chain.levels = levels;
