@@ -113,7 +113,7 @@ typedef struct cli_options {
     int32_t count, source;      /* source: BVX_LEVELS_... */
     int32_t open;               /* BVX_OPEN_... */
     int32_t no_sharp, outer_hull, strict, if_needed;
-    double even;
+    double even, colour_weight;
     double threshold;
     int32_t edge_samples;
     double collapse;

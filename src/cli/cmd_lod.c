@@ -16,7 +16,7 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
 /* Options of the methods that sample a solid, and of the one that collapses edges; each with what only it understands. */
 static const char *const of_solid[] = {"--levels", "--threshold", "--edge-samples", "--collapse", "--fill", "--close-gaps", "--padding", NULL};
-static const char *const of_collapse[] = {"--error", "--error-kind", "--count", "--strict", "--even", "--source", "--open", "--sharp", "--no-sharp",
+static const char *const of_collapse[] = {"--error", "--error-kind", "--count", "--strict", "--even", "--colour-weight", "--source", "--open", "--sharp", "--no-sharp",
                                           "--outer-hull", "--least-part", "--least-cavity", "--shell", "--sign", NULL};
 
 static const char *given_of(const cli_run *run, const char *const *names)

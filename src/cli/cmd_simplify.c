@@ -57,6 +57,7 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     else s.target_triangles = c->target;
     s.error_kind = o->error_kind;
     if (cli_given(run, "--even")) s.even = o->even;
+    s.colour_weight = o->colour_weight;
     s.measure_samples = cli_collapse_samples(run, c);
     s.strict = o->strict;
     s.open = borders_of(run);

@@ -39,6 +39,8 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c)
     if (cli_check_mesh_name(run, o->output) != CLI_DONE || cli_check_carry_name(run) != CLI_DONE ||
         cli_check_normals(run) != CLI_DONE)
         return CLI_USAGE;
+    if (cli_given(run, "--colour-weight") && !run->options.carry)
+        return cli_usage(run, "--colour-weight needs --carry, which gives the levels the colours");
     return cli_check_level_names(run, c->count);
 }
 
@@ -67,6 +69,12 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
     }
 }
 
+static int check_colour_weight(cli_run *run, const bvx_mesh *mesh)
+{
+    if (!cli_given(run, "--colour-weight") || mesh->colours != NULL) return CLI_DONE;
+    return cli_usage(run, "%s has no colours that --colour-weight could count", cli_input_name(run->options.input[0]));
+}
+
 int cli_open_collapse(cli_run *run, cli_collapse_run *c)
 {
     int const known = c->count != 0;
@@ -75,6 +83,7 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
 
     if (status == CLI_DONE) status = cli_read_mesh(run, run->options.input[0], &c->input);
     if (status == CLI_DONE) status = cli_check_carry(run, &c->input);
+    if (status == CLI_DONE) status = check_colour_weight(run, &c->input);
     if (status != CLI_DONE) return status;
 
     bvx_mesh_view_of(&c->input, &c->view);

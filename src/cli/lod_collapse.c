@@ -57,6 +57,7 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     else b->target_triangles = l->run.target;
     b->error_kind = o->error_kind;
     if (cli_given(run, "--even")) b->even = o->even;
+    b->colour_weight = o->colour_weight;
     b->measure_samples = cli_collapse_samples(run, &l->run);
     b->strict = o->strict;
     b->source = o->source;

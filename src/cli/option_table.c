@@ -110,6 +110,9 @@ static const cli_argument arguments[] = {
     WHOLE("--count", "N", CLI_SIMPLIFY, count, 1, CLI_MAX_LEVELS, "levels of 1/2, 1/4, 1/8 ... of the triangles [1]"),
     FLAG("--strict", MAKES_LEVELS, strict, "a level that cannot keep its target is an error: nothing is written"),
     FROM_TO("--even", "W", MAKES_LEVELS, even, 0, 1, "pull to triangles of even size where the surface is flat [1e-9]"),
+    FROM_TO("--colour-weight", "W", MAKES_LEVELS, colour_weight, 0, 1,
+            "with --carry: borders between colours stay where they are; a difference of\n255 costs as much as a distance of W of the mesh's longest side; 0.02 to 0.1\n"
+            "keep borders well [0]"),
     CHOICE("--source", "WHAT", CLI_LOD, source, source_names, BVX_LEVELS_AUTO,
            "what levels are made from. mesh: the mesh itself, which must be closed,\nmanifold and oriented; measured: its surface, measured as repair does;\n"
            "auto: the mesh where it is that and does not cross itself [auto; measured with\n--resolution, --sign, --least-part, --least-cavity, --outer-hull]"),

@@ -362,6 +362,7 @@ static void lay_out_cell(cell_work *w, unsigned char *memory)
     c->dearest = r->dearest;
     c->star.lenient = r->whole->star.lenient;
     memset(&c->counts, 0, sizeof c->counts);
+    c->colour = NULL; /* meshes with a weight of colours have no cells */
 
     m->at = (bvxi_corner_vertex *)(void *)take_room(&memory, r->vertex_room * sizeof *m->at);
     m->facing = (bvxi_facing *)(void *)take_room(&memory, r->vertex_room * sizeof *m->facing);

@@ -189,6 +189,7 @@ static double cost_at(const bvxi_collapse *c, uint32_t u, uint32_t v, const quad
 static double meeting_point(const bvxi_collapse *c, uint32_t u, uint32_t v, quadric *q, double d[3])
 {
     double offset[3], middle[3], length = 0, at_u, at_v;
+    const quadric *cost = q;
     quadric all;
 
     offset_between(c, u, v, offset);
@@ -197,13 +198,16 @@ static double meeting_point(const bvxi_collapse *c, uint32_t u, uint32_t v, quad
         length += offset[k] * offset[k];
     }
     join_quadrics(&c->mesh.at[u], &c->mesh.at[v], offset, q);
-    all = *q;
-    if (c->colour != NULL) add_colour_cost(c, u, v, &all);
-    if (least_point(&all, middle, 4 * length, d)) return quadric_at(&all, d);
+    if (c->colour != NULL) {
+        all = *q;
+        add_colour_cost(c, u, v, &all);
+        cost = &all;
+    }
+    if (least_point(cost, middle, 4 * length, d)) return quadric_at(cost, d);
 
     /* Where the planes leave it open: the better end, which stays on the surface. */
-    at_u = all.c;
-    at_v = quadric_at(&all, offset);
+    at_u = cost->c;
+    at_v = quadric_at(cost, offset);
     for (int k = 0; k < 3; k++) d[k] = at_v < at_u ? offset[k] : 0;
     return at_v < at_u ? at_v : at_u;
 }

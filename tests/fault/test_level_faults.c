@@ -6,9 +6,10 @@
 enum { LEVELS = 2 };
 
 static maker_mesh sound, spoilt, large; /* the second with holes, flipped and doubled triangles, a sheet */
+static uint8_t tint[4 * 2000]; /* of vertices of the first two */
 static bvx_mesh_view sound_view, spoilt_view, large_view;
 
-/* One way to make levels; by_error 2: by count, of sheets; measured 3: of sheets. want is the hash of a good run's. */
+/* One way to make levels; by_error 2: by count, of sheets; 3: by count, with a weight of colours; measured 3: of sheets. want is the hash of a good run's. */
 typedef struct job {
     const char *name;
     int32_t measured, by_error; /* measured -1: a mesh whose cells collapse on their own */
@@ -25,6 +26,8 @@ static job jobs[] = {
     {"simplify a large mesh", -1, 0, 0, 0},
     {"sheets", 0, 2, 0, 0},
     {"levels of sheets", 3, 0, 0, 0},
+    {"simplify with colours", 0, 3, 0, 0},
+    {"measured levels with colours", 2, 3, 0, 0},
 };
 enum { JOBS = sizeof jobs / sizeof *jobs };
 
@@ -38,6 +41,7 @@ static bvx_status simplify(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_
     if (j->by_error == 2) o.open = BVX_OPEN_CUT;
     if (j->by_error == 1) o.target_errors = errors;
     else o.target_triangles = targets;
+    if (j->by_error == 3) o.colour_weight = 0.1;
     o.measure_samples = 20;
     o.reports = reports;
     return bvx_mesh_simplify(ctx, j->measured < 0 ? &large_view : j->by_error == 2 ? &spoilt_view : &sound_view, &o, LEVELS, level);
@@ -47,8 +51,9 @@ static bvx_status build(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_lev
 {
     bvx_levels_options o;
     bvx_levels_options_init(&o, sizeof o);
-    if (j->by_error) o.target_errors = errors;
+    if (j->by_error == 1) o.target_errors = errors;
     else o.target_triangles = targets;
+    if (j->by_error == 3) o.colour_weight = 0.1;
     o.measure_samples = 20;
     o.reports = reports;
     o.report = report;
@@ -106,6 +111,9 @@ static int make_inputs(void **state)
     sound_view = maker_view(&sound);
     spoilt_view = maker_view(&spoilt);
     large_view = maker_view(&large);
+    assert_true(4 * sound.vertices <= sizeof tint && 4 * spoilt.vertices <= sizeof tint);
+    for (size_t i = 0; i < sizeof tint; i++) tint[i] = (uint8_t)maker_below(&seed, 256);
+    sound_view.colours = spoilt_view.colours = tint;
     return 0;
 }
 

@@ -95,18 +95,22 @@ static int fuzz_two_at_one_place(const bvx_certificate *c)
     return c->degenerate + c->duplicates + c->collapsed != 0;
 }
 
-static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
+static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *plain)
 {
+    bvx_mesh_view coloured = *plain;
+    const bvx_mesh_view *const view = &coloured;
+    uint8_t *const colours = malloc(4 * (size_t)plain->vertex_count + 1);
     uint64_t targets[2];
     double errors[2];
     bvx_mesh level[2] = {{0}}, twin[2] = {{0}};
     bvx_level_report reports[2];
-    bvx_mesh_view turned = *view;
+    bvx_mesh_view turned;
     bvx_simplify_options o;
     bvx_certificate before;
     bvx_status status;
     uint64_t crossings;
     uint32_t *corners;
+    fuzz_require(colours != NULL, "no memory");
     fuzz_must(ctx, bvx_mesh_check(ctx, view, 1, &before));
     crossings = fuzz_crossings_of(ctx, view);
     bvx_simplify_options_init(&o, sizeof o);
@@ -126,21 +130,28 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     if (o.target_errors != NULL) o.measure_samples = 50;
     o.open = fuzz_range(in, 0, 2);
     o.reports = reports;
+    if (fuzz_range(in, 0, 2) == 0) {
+        for (uint64_t i = 0; i < 4 * view->vertex_count; i++) colours[i] = (uint8_t)fuzz_range(in, 0, 255);
+        coloured.colours = colours;
+        o.colour_weight = fuzz_range(in, 0, 255) / 255.0;
+    }
+    turned = coloured;
     status = bvx_mesh_simplify(ctx, view, &o, 2, level);
     if (status == BVX_ERR_ARGUMENT) {
         fuzz_require(!fuzz_is_sound(&before) || fuzz_two_at_one_place(&before), "a sound mesh that is refused");
         fuzz_require(o.open != BVX_OPEN_CUT, "a mesh that cannot be cut");
         fuzz_require(o.open != BVX_OPEN_KEEP || !before.edge_manifold || !before.oriented || fuzz_two_at_one_place(&before), "a sheet that is refused");
         fuzz_require(level[0].positions == NULL && level[1].positions == NULL, "a level behind an error");
+    }
+    if (status == BVX_ERR_ARGUMENT || !fuzz_good(ctx, status)) {
+        free(colours);
         return;
     }
-    if (!fuzz_good(ctx, status)) return;
     for (int i = 0; i < 2; i++) fuzz_level(ctx, &level[i], &before, crossings, o.position_type);
 
     corners = malloc((size_t)view->triangle_count * 12);
     fuzz_require(corners != NULL, "no memory");
-    /* Distances are of points that are drawn triangle by triangle, so that levels by error follow the order. */
-    if (o.target_errors == NULL && before.edge_manifold && before.oriented && !fuzz_two_at_one_place(&before)) fuzz_turn(&turned, corners);
+    if (before.edge_manifold && before.oriented && !fuzz_two_at_one_place(&before)) fuzz_turn(&turned, corners);
     o.reports = NULL;
     fuzz_must(other, bvx_mesh_simplify(other, &turned, &o, 2, twin));
     for (int i = 0; i < 2; i++) {
@@ -149,6 +160,7 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
         bvx_mesh_free(ctx, &level[i]);
     }
     free(corners);
+    free(colours);
 }
 
 static void fuzz_one(fuzz_input *in)

@@ -154,6 +154,13 @@ warns 'the memory limit lowered the resolution from 256 to ' lod "$knot" -o c.pl
 reports 'lod with a memory limit' '32 <= r["levels"]["resolution"] < r["levels"]["planned_resolution"] == 256 and r["peak_bytes"] <= 20 * 2 ** 20' \
     lod "$knot" -o c.ply --triangles 400 --source measured --memory-limit 20M --samples 0
 refuses 1 'limit' lod "$knot" -o c.ply --triangles 400 --resolution 256 --memory-limit 20M --samples 0
+works 'a finer mesh for memory limits' repair "$knot" -o fine.ply --resolution 96 --quiet
+reports 'lod of a fine mesh' 'r["levels"]["source"] == "mesh"' lod fine.ply -o c.ply --triangles 400 --samples 0
+warns 'the mesh itself exceeds the memory limit: its surface was measured with ' lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 12M
+reports 'lod of a mesh that exceeds the memory limit' 'r["levels"]["source"] == "measured" and r["peak_bytes"] <= 12 * 2 ** 20 and r["levels"]["resolution"] < 256' \
+    lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 12M
+refuses 1 'bytes is too small for 64672 triangles; ' lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 12M --source mesh
+rm -f fine.ply
 warns 'the measured surface has 1 piece, the input 2: parts that touch became one' lod two.obj -o c.ply --triangles 200 --samples 0
 warns 'less volume than the input: parts that overlap count once' lod two.obj -o c.ply --triangles 200 --samples 0
 warns '--sharp had no use' lod "$knot" -o c.ply --triangles 2000 --samples 0 --sharp
@@ -168,6 +175,27 @@ reports 'lod --carry --json' 'all(m["colours"] for m in r["meshes"])' lod colour
 works 'simplify --carry' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --carry --quiet
 holds 'simplify --carry: six numbers a vertex' test "$(awk '$1 == "v" && NF == 7' c_0.obj | wc -l)" -gt 1000
 refuses 2 'neither colours nor texture coordinates' lod knot.obj -o x_%d.ply --carry
+
+# Borders between colours.
+awk '$1 == "v" { print $0, $2 < 0 ? "1 0 0" : "0 0 1"; next } { print }' knot.obj >painted.obj
+works 'simplify without --colour-weight' simplify painted.obj -o plain.obj --triangles 1500 --samples 0 --carry --quiet
+works 'simplify --colour-weight' simplify painted.obj -o c_0.obj --triangles 1500 --samples 0 --carry --colour-weight 0.02 --quiet
+works 'lod --colour-weight' lod painted.obj -o c_1.obj --triangles 1500 --samples 0 --carry --colour-weight 0.02 --quiet
+same 'both weigh colours alike' c_0.obj c_1.obj
+# How far the line between the colours lies from x = 0 in the mean, times 10^6.
+shift_of() {
+    awk 'function at(i, j, t) { t = (red[i] - 0.5) / (red[i] - red[j]); t = x[i] + t * (x[j] - x[i]); sum += t < 0 ? -t : t; n++ }
+         $1 == "v" { x[++v] = $2; red[v] = $5 }
+         $1 == "f" { for (k = 2; k < 5; k++) { i = int($k); j = int($(k == 4 ? 2 : k + 1)); if ((red[i] > 0.5) != (red[j] > 0.5)) at(i, j) } }
+         END { printf "%d", sum / n * 1e6 }' "$1"
+}
+holds 'the border between the colours moves less than half as far' test "$((2 * $(shift_of c_0.obj)))" -lt "$(shift_of plain.obj)"
+works '--colour-weight 0' simplify painted.obj -o c_1.obj --triangles 1500 --samples 0 --carry --colour-weight 0 --quiet
+same '--colour-weight 0 changes nothing' plain.obj c_1.obj
+refuses 2 '--colour-weight needs --carry' simplify painted.obj -o x.ply --colour-weight 0.02
+refuses 2 'neither colours' lod knot.obj -o x.ply --count 1 --carry --colour-weight 0.02
+for value in -0.1 1.1 x; do refuses 2 'from 0 to 1' lod painted.obj -o x_%d.ply --carry --colour-weight "$value"; done
+rm -f plain.obj c_?.obj
 refuses 2 '.stl holds neither' simplify coloured.obj -o x.stl --carry
 rm -f c_?.*
 

@@ -45,6 +45,38 @@ def corners(mesh):
 # ---- simplify ----
 
 
+def test_levels_by_error_do_not_depend_on_order():
+    mesh = bitvox.faces(np.ones((9, 8, 7), bool)).astype("float64")
+    mesh = bitvox.Mesh(np.asarray(mesh.vertices) + 0.1 * np.sin(np.asarray(mesh.vertices)[:, ::-1]), np.asarray(mesh.faces))
+    want = mesh.simplify(error=0.05)
+    for seed in range(3):
+        got = shuffled(mesh, seed).simplify(error=0.05)
+        assert np.array_equal(got.vertices, want.vertices) and np.array_equal(got.faces, want.faces) and got.report == want.report
+
+
+def test_borders_of_colours_stay():
+    x, y, z = (a.ravel() for a in np.meshgrid(*[np.arange(-20.0, 21.0)] * 3, indexing="ij"))
+    ball = bitvox.surface((x * x + y * y + z * z < 300).reshape(41, 41, 41))
+    side = np.asarray(ball.vertices)[:, 0] > 22.25  # between two columns of vertices
+    painted = bitvox.Mesh(ball.vertices, ball.faces, colours=np.where(side[:, None], (250, 0, 0), (0, 0, 250)))
+
+    def shift(level):
+        """How far the line between the colours lies from x = 22.25 in the mean."""
+        red, x, faces = np.asarray(level.colours)[:, 0] / 250 - 0.5, np.asarray(level.vertices, float)[:, 0], np.asarray(level.faces)
+        a, b = faces.ravel(), np.roll(faces, -1, 1).ravel()
+        crossed = (red[a] > 0) != (red[b] > 0)
+        a, b = a[crossed], b[crossed]
+        return np.abs(x[a] + (x[b] - x[a]) * red[a] / (red[a] - red[b]) - 22.25).mean()
+
+    for make in (lambda w: painted.simplify(triangles=300, carry=True, colour_weight=w), lambda w: bitvox.lod(painted, triangles=300, carry=True, colour_weight=w)[0],
+                 lambda w: bitvox.lod(painted, triangles=300, carry=True, colour_weight=w, made_from="measured", resolution=40)[0]):
+        plain, kept = make(0), make(0.05)
+        assert certified(kept).closed and shift(kept) < 0.5 * shift(plain)
+    assert np.array_equal(painted.simplify(triangles=300).vertices, bitvox.Mesh(ball.vertices, ball.faces).simplify(triangles=300, colour_weight=0.02).vertices)
+    with pytest.raises(bitvox.ArgumentError, match="colour_weight"):
+        painted.simplify(triangles=300, colour_weight=2)
+
+
 def test_simplify_keeps_flat_faces():
     fine = bitvox.faces(np.ones((12, 12, 12), bool))
     ideal = sorted((float(x), float(y), float(z)) for x in (0, 12) for y in (0, 12) for z in (0, 12))

@@ -156,6 +156,7 @@ def simplify(
     error_kind: str | None = None,
     count: int | None = None,
     even: float | None = None,
+    colour_weight: float = 0.0,
     open: str | None = None,
     strict: bool = False,
     samples: int | None = None,
@@ -179,6 +180,8 @@ def simplify(
         error_kind: of ``error``: "mean" (the default) or "max" distance, measured both ways.
         count: so many levels, each with half of the triangles of the one before. With none of these: one level of half.
         even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
+        colour_weight: of a mesh with colours, with ``carry``: keep the borders between colours where they are. A difference of 255
+            in one channel costs as much as a distance of this part of the mesh's longest side, 0 to 1; 0.02 to 0.1 keep borders well.
         open: of a mesh with borders: "keep" (the default) them; triangles that are there twice count once, flipped ones are
             turned. "cut": as "keep", and edges of three triangles and more are cut. "refuse": an error.
         strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
@@ -200,7 +203,7 @@ def simplify(
     options = options_of("simplify_options")
     single = count is None and not _many(triangles) and not _many(error)
     targets = _Targets(options, source, triangles, error, error_kind, 1 if single and triangles is None and error is None else count)
-    _set_common(options, even, strict, error, samples, dtype)
+    _set_common(options, even, colour_weight, strict, error, samples, dtype)
     if open is not None:
         options.open = lib.BVX_OPEN_SHELL + _place("open", open, OPEN_INPUTS)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
@@ -231,12 +234,13 @@ def _place(name: str, value: Any, names: Sequence[str]) -> int:
     return names.index(value)
 
 
-def _set_common(options: Any, even: float | None, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
+def _set_common(options: Any, even: float | None, colour_weight: float, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
     """What simplify_options and levels_options share. Levels by error are measured anyhow: the report tells what decided."""
     if samples is None:
         samples = 0 if error is None else ERROR_SAMPLES
     if even is not None:
         options.even = float(even)
+    options.colour_weight = float(colour_weight)
     options.strict = int(bool(strict))
     options.measure_samples = in_range("samples", samples, 0, 2**31 - 1)
     options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
@@ -288,6 +292,7 @@ def lod(
     least_part: int | None = None,
     least_cavity: int | None = None,
     even: float | None = None,
+    colour_weight: float = 0.0,
     strict: bool = False,
     samples: int | None = None,
     levels: int | Sequence[Any] | None = None,
@@ -337,6 +342,7 @@ def lod(
         shell: measured: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
         least_part, least_cavity: measured: smaller pieces are dropped, smaller cavities filled [voxels].
         even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
+        colour_weight: of a mesh with colours, with ``carry``: keep the borders between colours where they are, as for `simplify`.
         strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
         samples: measure the distances between source and level from so many points a side, for the reports. Default:
             20000 with ``error``, else 0: they are not.
@@ -360,7 +366,7 @@ def lod(
     """
     of_collapse = {"error": error, "error_kind": error_kind, "count": count, "made_from": made_from, "open": open, "lattice": lattice, "sign": sign,
                    "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,
-                   "least_cavity": least_cavity, "even": even, "strict": strict or None, "samples": samples}
+                   "least_cavity": least_cavity, "even": even, "colour_weight": colour_weight or None, "strict": strict or None, "samples": samples}
     of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
                  "close_gaps": close_gaps, "padding": padding, "face_rule": face_rule, "local_frame": local_frame or None}
     asked = {name: value for name, value in of_voxels.items() if value is not None}
@@ -380,7 +386,7 @@ def lod(
         mesh = surface(source, **limits) if is_grid else Mesh.of(source)
         options = options_of("levels_options")
         targets = _Targets(options, mesh, triangles, error, error_kind, count)
-        _set_common(options, even, strict, error, samples, dtype)
+        _set_common(options, even, colour_weight, strict, error, samples, dtype)
         options.open = _place("open", "shell" if open is None else open, OPENS)
         options.source = choice("made_from", "auto" if made_from is None else made_from, "BVX_LEVELS_", SOURCES)
         if lattice is not None:

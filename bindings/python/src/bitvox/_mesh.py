@@ -360,20 +360,21 @@ class Mesh:
         return vertices, facets
 
     def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
-                 error_kind: str | None = None, count: int | None = None, even: float | None = None, open: str | None = None, strict: bool = False,
+                 error_kind: str | None = None, count: int | None = None, even: float | None = None, colour_weight: float = 0.0,
+                 open: str | None = None, strict: bool = False,
                  samples: int | None = None, carry: bool = False, dtype: Any = None, threads: int | None = None,
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Fewer triangles for a manifold mesh, closed or with borders, by collapsing the edges that cost least.
 
         Args:
-            triangles, error, error_kind, count, even, open, strict, samples, carry, dtype: as for `bitvox.simplify`.
+            triangles, error, error_kind, count, even, colour_weight, open, strict, samples, carry, dtype: as for `bitvox.simplify`.
 
         Returns:
             A `Mesh` for one target, a list for several.
         """
         from ._levels import simplify
 
-        return simplify(self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, open=open, strict=strict,
+        return simplify(self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, colour_weight=colour_weight, open=open, strict=strict,
                         samples=samples, carry=carry, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def content_hash(self) -> int:

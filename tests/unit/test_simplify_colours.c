@@ -1,0 +1,375 @@
+/* test_simplify_colours.c - levels with a weight of colours: the borders of colours stay where they are, the geometry nearly as good,
+ * the guarantee the same; without a weight not a bit changes. Quadrics against sums over all triangles. */
+#include "levels_support.h"
+
+#include "simplify/colours.h"
+
+enum { COLOUR_RINGS = 70, COLOUR_TARGET = 400 };
+
+/* A ball of radius 4 about (8, 8, 8), in two colours, beyond a tilted plane and before it. */
+static const double border_normal[3] = {0.36, 0.48, 0.8};
+static uint8_t tint[4 * 40000];
+
+static double beyond(const double p[3])
+{
+    double sum = -1.0;
+
+    for (int a = 0; a < 3; a++) sum += border_normal[a] * (p[a] - 8);
+    return sum;
+}
+
+static void paint(void)
+{
+    static const uint8_t colour[2][4] = {{220, 30, 40, 255}, {20, 120, 230, 255}};
+
+    TEST_ASSERT_TRUE(4 * mesh.vertices <= sizeof tint);
+    for (size_t v = 0; v < mesh.vertices; v++) memcpy(tint + 4 * v, colour[beyond(mesh.p + 3 * v) > 0], 4);
+}
+
+static void make_ball(void)
+{
+    static const double centre[3] = {8, 8, 8}, radius[3] = {4, 4, 4};
+
+    maker_clear(&mesh);
+    maker_star(&mesh, &seed, centre, radius, 0, COLOUR_RINGS, COLOUR_RINGS, 1 << 20);
+    paint();
+}
+
+static bvx_mesh_view coloured_view(void)
+{
+    bvx_mesh_view view = maker_view(&mesh);
+
+    view.colours = tint;
+    return view;
+}
+
+static void simplify_coloured(double weight, uint64_t target)
+{
+    bvx_mesh_view const view = coloured_view();
+    bvx_simplify_options o;
+
+    drop_levels();
+    bvx_simplify_options_init(&o, sizeof o);
+    o.target_triangles = &target;
+    o.colour_weight = weight;
+    o.measure_samples = 20000;
+    o.reports = report;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level), bvx_last_message(ctx));
+}
+
+static void carry_colours(bvx_mesh *to)
+{
+    bvx_mesh source = {0};
+
+    source.positions = mesh.p;
+    source.triangles = mesh.t;
+    source.colours = tint;
+    source.vertex_count = source.vertex_capacity = mesh.vertices;
+    source.triangle_count = source.triangle_capacity = mesh.triangles;
+    source.position_type = BVX_F64;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_carry(ctx, &source, to), bvx_last_message(ctx));
+}
+
+/* How far the line lies from the border, by its length, where the level's red is half of what both colours have. */
+static double border_shift(const bvx_mesh *m)
+{
+    double sum = 0, length = 0;
+
+    for (uint64_t t = 0; t < m->triangle_count; t++) {
+        double end[3][3];
+        int ends = 0;
+
+        for (int k = 0; k < 3; k++) {
+            uint64_t const u = m->triangles[3 * t + (uint64_t)k], v = m->triangles[3 * t + (uint64_t)(k + 1) % 3];
+            double const red_u = m->colours[4 * u] - 120.5, red_v = m->colours[4 * v] - 120.5; /* whole numbers: never 0 */
+
+            if ((red_u > 0) == (red_v > 0)) continue;
+            for (uint64_t a = 0; a < 3; a++)
+                end[ends][a] = position_of(m, 3 * u + a) + (position_of(m, 3 * v + a) - position_of(m, 3 * u + a)) * red_u / (red_u - red_v);
+            ends++;
+        }
+        if (ends == 2) {
+            double const off = 0.5 * (fabs(beyond(end[0])) + fabs(beyond(end[1])));
+            double square = 0;
+
+            for (int a = 0; a < 3; a++) square += (end[0][a] - end[1][a]) * (end[0][a] - end[1][a]);
+            sum += off * sqrt(square);
+            length += sqrt(square);
+        }
+    }
+    TEST_ASSERT_TRUE_MESSAGE(length > 10, "the level has lost the border");
+    return sum / length;
+}
+
+/* ---- What a weight does ---- */
+
+static void test_borders_of_colours_stay(void)
+{
+    static const double weight[3] = {0, 0.01, 0.02};
+    double shift[3], distance[3];
+
+    make_ball();
+    for (int i = 0; i < 3; i++) {
+        simplify_coloured(weight[i], COLOUR_TARGET);
+        snprintf(where, sizeof where, "weight %g", weight[i]);
+        TEST_ASSERT_TRUE_MESSAGE(report[0].met, where);
+        assert_whole(&level[0], 2, 1);
+        assert_no_crossings(&level[0]);
+        carry_colours(&level[0]);
+        shift[i] = border_shift(&level[0]);
+        distance[i] = report[0].distance.mean;
+        snprintf(where, sizeof where, "weight %g: the border is off by %.4f of %.4f, the surface by %.4f of %.4f", weight[i], shift[i], shift[0], distance[i], distance[0]);
+        TEST_ASSERT_TRUE_MESSAGE(i == 0 || (shift[i] < 0.3 * shift[0] && distance[i] < 1.25 * distance[0]), where);
+    }
+}
+
+/* A measured surface takes its colours from the mesh. */
+static void test_borders_stay_on_measured_surfaces(void)
+{
+    static const uint64_t target = COLOUR_TARGET;
+    double shift[2];
+
+    make_ball();
+    for (int i = 0; i < 2; i++) {
+        bvx_mesh_view const view = coloured_view();
+        bvx_levels_options o;
+
+        drop_levels();
+        bvx_levels_options_init(&o, sizeof o);
+        o.target_triangles = &target;
+        o.resolution = 64;
+        o.colour_weight = i == 0 ? 0 : 0.02;
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, &o, 1, level), bvx_last_message(ctx));
+        assert_whole(&level[0], 2, 1);
+        carry_colours(&level[0]);
+        shift[i] = border_shift(&level[0]);
+    }
+    snprintf(where, sizeof where, "the border is off by %.4f of %.4f", shift[1], shift[0]);
+    TEST_ASSERT_TRUE_MESSAGE(shift[1] < 0.4 * shift[0], where);
+}
+
+static void test_open_meshes_keep_their_borders_too(void)
+{
+    uint64_t loops;
+
+    make_ball();
+    maker_remove(&mesh, 2000);
+    maker_remove(&mesh, 5000);
+    simplify_coloured(0.02, COLOUR_TARGET);
+    loops = report[0].certificate.boundary_edges;
+    TEST_ASSERT_TRUE(report[0].met && loops == 6);
+    carry_colours(&level[0]);
+    TEST_ASSERT_TRUE(border_shift(&level[0]) < 0.06);
+}
+
+/* ---- What it does not ---- */
+
+static void test_without_a_weight_or_colours_nothing_changes(void)
+{
+    bvx_mesh plain;
+
+    make_ball();
+    simplify_coloured(0, COLOUR_TARGET);
+    plain = level[0];
+    memset(level, 0, sizeof level);
+    for (int way = 0; way < 2; way++) {
+        bvx_mesh_view const view = maker_view(&mesh);
+        uint64_t const target = COLOUR_TARGET;
+        bvx_simplify_options o;
+
+        drop_levels();
+        bvx_simplify_options_init(&o, sizeof o);
+        o.target_triangles = &target;
+        o.colour_weight = way == 0 ? 0 : 0.5; /* of colours that are not there */
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level));
+        assert_same_bytes(&plain, &level[0]);
+    }
+    bvx_mesh_free(ctx, &plain);
+}
+
+/* Triangles, their corners and vertices in any order, and any number of threads. */
+static void test_order_and_threads_do_not_matter(void)
+{
+    bvx_mesh wanted;
+
+    make_ball();
+    simplify_coloured(0.02, COLOUR_TARGET);
+    wanted = level[0];
+    memset(level, 0, sizeof level);
+    for (int way = 0; way < 3; way++) {
+        maker_shuffle_triangles(&mesh, &seed);
+        if (way != 0) maker_shuffle_vertices(&mesh, &seed);
+        paint();
+        simplify_coloured(0.02, COLOUR_TARGET);
+        assert_same_bytes(&wanted, &level[0]);
+    }
+    for (int32_t threads = 2; threads <= 3; threads++) {
+        bvx_mesh_view const view = coloured_view();
+        uint64_t const target = COLOUR_TARGET;
+        bvx_simplify_options o;
+        bvx_context_options c;
+        bvx_context *other;
+        bvx_mesh made = {0};
+
+        bvx_context_options_init(&c, sizeof c);
+        c.threads = threads;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
+        bvx_simplify_options_init(&o, sizeof o);
+        o.target_triangles = &target;
+        o.colour_weight = 0.02;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(other, &view, &o, 1, &made));
+        assert_same_bytes(&wanted, &made);
+        bvx_mesh_free(other, &made);
+        bvx_context_destroy(other);
+    }
+    bvx_mesh_free(ctx, &wanted);
+}
+
+static void test_memory_is_as_the_header_says(void)
+{
+    uint64_t peak[2];
+
+    make_ball();
+    for (int i = 0; i < 2; i++) {
+        drop_levels();
+        bvx_memory_reset_peak(ctx);
+        peak[i] = bvx_memory_used(ctx);
+        simplify_coloured(0.02 * i, COLOUR_TARGET);
+        peak[i] = bvx_memory_peak(ctx) - peak[i];
+    }
+    TEST_ASSERT_TRUE(peak[1] - peak[0] <= 190 * mesh.vertices);
+    TEST_ASSERT_TRUE(peak[1] - peak[0] > 150 * mesh.vertices);
+}
+
+/* ---- The quadric ---- */
+
+enum { FAN = 7 };
+
+/* The value of a channel where a plane through a triangle's corners has it, by barycentric weights of the nearest point of the plane. */
+static double value_at(const double p[3][3], const double value[3], const double x[3])
+{
+    double u[3], v[3], w[3], uu = 0, uv = 0, vv = 0, wu = 0, wv = 0, s, t;
+
+    for (int a = 0; a < 3; a++) {
+        u[a] = p[1][a] - p[0][a];
+        v[a] = p[2][a] - p[0][a];
+        w[a] = x[a] - p[0][a];
+    }
+    for (int a = 0; a < 3; a++) {
+        uu += u[a] * u[a];
+        uv += u[a] * v[a];
+        vv += v[a] * v[a];
+        wu += w[a] * u[a];
+        wv += w[a] * v[a];
+    }
+    s = (wu * vv - wv * uv) / (uu * vv - uv * uv);
+    t = (wv * uu - wu * uv) / (uu * vv - uv * uv);
+    return value[0] + s * (value[1] - value[0]) + t * (value[2] - value[0]);
+}
+
+static double twice_the_area(const double p[3][3])
+{
+    double u[3], v[3], sum = 0;
+
+    for (int a = 0; a < 3; a++) {
+        u[a] = p[1][a] - p[0][a];
+        v[a] = p[2][a] - p[0][a];
+    }
+    for (int a = 0; a < 3; a++) {
+        double const n = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+        sum += n * n;
+    }
+    return sqrt(sum);
+}
+
+/* Two vertices' triangles summed at a position, each counted for every one of the two that it has; the best colour is the mean. */
+static double summed_cost(const bvxi_corners *m, const uint32_t ends[2], double weight, double scale, const double x[3])
+{
+    double cost = 0;
+
+    for (uint64_t channel = 0; channel < 3; channel++) {
+        double area = 0, sum = 0, squares = 0;
+
+        for (uint64_t t = 0; t < m->triangles; t++)
+            for (int end = 0; end < 2; end++)
+                for (int k = 0; k < 3; k++) {
+                    double p[3][3], value[3], at, w;
+
+                    if (m->triangle[t].vertex[k] != ends[end]) continue;
+                    for (int i = 0; i < 3; i++) {
+                        value[i] = tint[4 * (uint64_t)m->triangle[t].vertex[i] + channel] / 255.0 * weight;
+                        for (int a = 0; a < 3; a++) p[i][a] = m->at[m->triangle[t].vertex[i]].p[a] * scale;
+                    }
+                    w = twice_the_area((const double(*)[3])p);
+                    at = value_at((const double(*)[3])p, value, x);
+                    area += w;
+                    sum += w * at;
+                    squares += w * at * at;
+                }
+        cost += squares - sum * sum / area;
+    }
+    return cost;
+}
+
+static void test_quadrics_equal_sums_over_the_triangles(void)
+{
+    static bvxi_corner_triangle triangle[FAN + 3];
+    static bvxi_corner_vertex at[FAN + 2];
+    bvxi_colour_quadric quadric[FAN + 2], both;
+    uint32_t const ends[2] = {0, 1};
+    double const scale = 0.125, weight = 0.25;
+
+    for (int round = 0; round < 200; round++) {
+        bvxi_corners m = {.triangle = triangle, .at = at, .triangles = FAN, .vertices = FAN + 1};
+        double offset[3], a[6] = {0}, b[3] = {0}, c = 0;
+
+        for (int v = 0; v <= FAN; v++) {
+            for (int k = 0; k < 3; k++) at[v].p[k] = maker_between(&seed, 1, 9, 1 << 20);
+            for (int k = 0; k < 4; k++) tint[4 * v + k] = (uint8_t)maker_below(&seed, 256);
+        }
+        for (uint32_t t = 0; t < FAN; t++) { /* a fan about vertex 0; vertex 1 has two triangles of it */
+            triangle[t].vertex[0] = 0;
+            triangle[t].vertex[1] = 1 + t;
+            triangle[t].vertex[2] = 1 + (t + 1) % FAN;
+        }
+        memset(quadric, 0, sizeof quadric);
+        bvxi_colours_start(&m, tint, weight, scale, quadric);
+        for (int k = 0; k < 3; k++) offset[k] = (at[1].p[k] - at[0].p[k]) * scale;
+        bvxi_colours_join(&quadric[0], &quadric[1], offset, &both);
+
+        for (int place = 0; place < 3; place++) {
+            double x[3], d[3], value, wanted;
+
+            for (int k = 0; k < 3; k++) {
+                x[k] = maker_between(&seed, 1, 9, 1 << 20) * scale;
+                d[k] = x[k] - at[0].p[k] * scale;
+            }
+            if (place == 2) { /* moved there it costs the same */
+                bvxi_colours_move(&both, d);
+                memset(d, 0, sizeof d);
+            }
+            memset(a, 0, sizeof a);
+            memset(b, 0, sizeof b);
+            c = 0;
+            bvxi_colours_add(&both, a, b, &c);
+            value = c + 2 * (b[0] * d[0] + b[1] * d[1] + b[2] * d[2]) + a[0] * d[0] * d[0] + a[3] * d[1] * d[1] + a[5] * d[2] * d[2] +
+                    2 * (a[1] * d[0] * d[1] + a[2] * d[0] * d[2] + a[4] * d[1] * d[2]);
+            wanted = summed_cost(&m, ends, weight, scale, x);
+            snprintf(where, sizeof where, "round %d: %.12g for %.12g", round, value, wanted);
+            TEST_ASSERT_TRUE_MESSAGE(fabs(value - wanted) < 1e-6 * (fabs(wanted) + weight * weight), where);
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_borders_of_colours_stay);
+    RUN_TEST(test_borders_stay_on_measured_surfaces);
+    RUN_TEST(test_open_meshes_keep_their_borders_too);
+    RUN_TEST(test_without_a_weight_or_colours_nothing_changes);
+    RUN_TEST(test_order_and_threads_do_not_matter);
+    RUN_TEST(test_memory_is_as_the_header_says);
+    RUN_TEST(test_quadrics_equal_sums_over_the_triangles);
+    return UNITY_END();
+}
