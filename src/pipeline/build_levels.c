@@ -489,7 +489,7 @@ static bvx_status explain_budget(const levels_job *job, uint64_t used)
 
     if (job->report.reason != BVX_MEASURED_NOT && !measured) return BVX_ERR_BUDGET;
     if (limit >= needed) return BVX_ERR_BUDGET; /* something else was in the way: its message stays */
-    return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: the memory limit of %u bytes is too small for %u triangles; %u suffice%s", levels_name,
+    return bvxi_fail_for(job->ctx, BVX_ERR_BUDGET, BVX_REASON_BUDGET, "%s: the memory limit of %u bytes is too small for %u triangles; %u suffice%s", levels_name,
                      limit, job->mesh->triangle_count, needed,
                      measured ? ", and their measured surface on the coarsest lattice does not fit either" : "");
 }
