@@ -317,7 +317,7 @@ static bvx_status plan_levels(const world *w)
 static bvx_status build_levels(const world *w)
 {
     TAKE_OPTIONS(levels, o);
-    TAKE_RESERVED(o.reserved[2]);
+    TAKE_RESERVED(o.reserved[1]);
     return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }
 static bvx_status write_mesh(const world *w) { return bvx_write_mesh(w->ctx, w->body, BVX_FORMAT_PLY, (bvx_buffer *)w->out); }

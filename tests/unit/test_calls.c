@@ -291,7 +291,7 @@ static void test_choices_out_of_range(void)
         BAD(mesh_simplify, simplify, error_kind, 2), BAD(mesh_simplify, simplify, error_kind, -1), BAD(mesh_simplify, simplify, position_type, 9),
         BAD(mesh_simplify, simplify, even, -1), BAD(mesh_simplify, simplify, even, 1.5), BAD(mesh_simplify, simplify, even, (double)NAN),
         BAD_SWITCH(mesh_simplify, simplify, strict), BAD(mesh_simplify, simplify, open, 3), BAD(mesh_simplify, simplify, open, -1),
-        BAD(build_levels, levels, open, 3), BAD(build_levels, levels, open, -1), BAD(build_levels, levels, reserved0, 1), BAD(plan_levels, levels, source, 9),
+        BAD(build_levels, levels, open, 3), BAD(build_levels, levels, open, -1), BAD(build_levels, levels, reserved0, 1), BAD(build_levels, levels, colour_weight, 2), BAD(plan_levels, levels, source, 9),
         BAD(plan_levels, levels, resolution, -1), BAD(build_levels, levels, error_kind, 2), BAD(build_levels, levels, position_type, 9),
         BAD(build_levels, levels, even, -1), BAD(build_levels, levels, even, (double)NAN), BAD_SWITCH(build_levels, levels, strict),
         BAD(build_levels, levels, source, 9), BAD(build_levels, levels, source, -1), BAD(build_levels, levels, resolution, -1),
