@@ -568,20 +568,38 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 /* ---- Solid voxelization ------------------------------------------------------------------------------------ */
 
 /** What decides that a centre is inside. */
+/** Every rule, its number (frozen) and its name in the program and the bindings. */
+#define BVX_FILL_LIST(X)                                                                                     \
+    X(BVX_FILL_PARITY, 0, "parity")                                                                          \
+        /**< an odd number of crossings before the centre along x: nested shells are cavities */             \
+    X(BVX_FILL_NONZERO, 1, "nonzero")                                                                        \
+        /**< winding number along x other than zero: overlapping and inverted shells are one solid */        \
+    X(BVX_FILL_VOTE, 2, "vote")                                                                              \
+        /**< the parities along x, y and z where they agree, else the majority of all directions: holes      \
+             leave no stripes and close smoothly */                                                          \
+    X(BVX_FILL_FLOOD, 3, "flood")                                                                            \
+        /**< what a flood from outside, through faces of voxels, cannot reach past the conservative surface: \
+             fills cavities; the surface's own voxels vote, but around cavities */                           \
+    X(BVX_FILL_REGIONS, 4, "regions")                                                                        \
+        /**< each region that the conservative surface leaves (connected through faces) is inside or outside \
+             as a whole: keeps cavities; the surface's own voxels vote */                                    \
+    X(BVX_FILL_BELOW, 5, "below")                                                                            \
+        /**< all that lies under a terrain, or between two */                                                \
+    X(BVX_FILL_WINDING, 6, "winding")                                                                        \
+        /**< generalized winding number above a half, either way: without open edges it is NONZERO, holes    \
+             close smoothly; overlapping parts are one, flipped triangles are not for it */                  \
+    X(BVX_FILL_AUTO, 7, "auto")                                                                              \
+        /**< what suits the mesh: PARITY where closed shells do not cross, NONZERO where they do, WINDING    \
+             where there are holes, VOTE where triangles cannot be oriented; flipped triangles are turned    \
+             before */
+
 enum {
-    BVX_FILL_PARITY = 0,  /**< an odd number of crossings before the centre along x: nested shells are cavities */
-    BVX_FILL_NONZERO = 1, /**< winding number along x other than zero: overlapping and inverted shells are one solid */
-    BVX_FILL_VOTE = 2,    /**< the parities along x, y and z where they agree, else the majority of all directions: holes leave
-                               no stripes and close smoothly */
-    BVX_FILL_FLOOD = 3,   /**< what a flood from outside, through faces of voxels, cannot reach past the conservative surface:
-                               fills cavities; the surface's own voxels vote, but around cavities */
-    BVX_FILL_REGIONS = 4, /**< each region that the conservative surface leaves (connected through faces) is inside or outside as
-                               a whole: keeps cavities; the surface's own voxels vote */
-    BVX_FILL_BELOW = 5,   /**< all that lies under a terrain, or between two */
-    BVX_FILL_WINDING = 6, /**< generalized winding number above a half, either way: without open edges it is NONZERO, holes close
-                               smoothly; overlapping parts are one, flipped triangles are not for it */
-    BVX_FILL_AUTO = 7     /**< what suits the mesh: PARITY where closed shells do not cross, NONZERO where they do, WINDING where there
-                               are holes, VOTE where triangles cannot be oriented; flipped triangles are turned before */
+#define BVX_FILL_LIST_ENUM(name, value, text) name = value,
+    BVX_FILL_LIST(BVX_FILL_LIST_ENUM)
+#undef BVX_FILL_LIST_ENUM
+    BVX_FILL_COUNT = 8,
+    /** Rules that bvx_boolean takes: bit 1 << rule. */
+    BVX_FILLS_OF_BOOLEAN = 1 << BVX_FILL_PARITY | 1 << BVX_FILL_NONZERO | 1 << BVX_FILL_VOTE | 1 << BVX_FILL_WINDING | 1 << BVX_FILL_AUTO
 };
 
 /** Why a rule filled a mesh. The numbers are frozen. */
@@ -1633,16 +1651,33 @@ BVX_API bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes,
 /* ---- Distance fields ---------------------------------------------------------------------------------------- */
 
 /** What decides that a centre is inside. */
+/** Every rule, its number (frozen) and its name in the program and the bindings. */
+#define BVX_SIGN_LIST(X)                                                                                  \
+    X(BVX_SIGN_AUTO, 0, "auto")                                                                           \
+        /**< fields: inside is what BVX_FILL_AUTO has inside: EXACT where closed shells do not cross,     \
+             WINDING where they do or there are holes, VOTE where triangles cannot be oriented; repair:   \
+             WINDING or VOTE */                                                                           \
+    X(BVX_SIGN_EXACT, 1, "exact")                                                                         \
+        /**< the solid's own rule (BVX_FILL_PARITY): field and solid never disagree */                    \
+    X(BVX_SIGN_NORMAL, 2, "normal")                                                                       \
+        /**< the side of the closest triangle (the paper's): wrong near edges and corners */              \
+    X(BVX_SIGN_PSEUDONORMAL, 3, "pseudonormal")                                                           \
+        /**< the side of the closest feature by angle-weighted normals: right for closed, oriented meshes \
+             that do not cross themselves */                                                              \
+    X(BVX_SIGN_WINDING, 4, "winding")                                                                     \
+        /**< BVX_FILL_WINDING: holes and overlaps */                                                      \
+    X(BVX_SIGN_VOTE, 5, "vote")                                                                           \
+        /**< BVX_FILL_VOTE: holes and flipped triangles */                                                \
+    X(BVX_SIGN_NONE, 6, "none")                                                                           \
+        /**< no side at all: distances are not negative */
+
 enum {
-    BVX_SIGN_AUTO = 0,        /**< fields: inside is what BVX_FILL_AUTO has inside: EXACT where closed shells do not cross, WINDING where
-                                   they do or there are holes, VOTE where triangles cannot be oriented; repair: WINDING or VOTE */
-    BVX_SIGN_EXACT = 1,       /**< the solid's own rule (BVX_FILL_PARITY): field and solid never disagree */
-    BVX_SIGN_NORMAL = 2,      /**< the side of the closest triangle (the paper's): wrong near edges and corners */
-    BVX_SIGN_PSEUDONORMAL = 3, /**< the side of the closest feature by angle-weighted normals: right for closed, oriented meshes
-                                   that do not cross themselves */
-    BVX_SIGN_WINDING = 4,     /**< BVX_FILL_WINDING: holes and overlaps */
-    BVX_SIGN_VOTE = 5,        /**< BVX_FILL_VOTE: holes and flipped triangles */
-    BVX_SIGN_NONE = 6         /**< no side at all: distances are not negative */
+#define BVX_SIGN_LIST_ENUM(name, value, text) name = value,
+    BVX_SIGN_LIST(BVX_SIGN_LIST_ENUM)
+#undef BVX_SIGN_LIST_ENUM
+    BVX_SIGN_COUNT = 7,
+    /** Rules that bvx_repair and bvx_build_levels take: bit 1 << rule. */
+    BVX_SIGNS_OF_REPAIR = 1 << BVX_SIGN_AUTO | 1 << BVX_SIGN_EXACT | 1 << BVX_SIGN_WINDING | 1 << BVX_SIGN_VOTE
 };
 
 /** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value number n is that of set voxel
@@ -1865,9 +1900,17 @@ BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, con
 
 /* ---- Levels of detail -------------------------------------------------------------------------------------- */
 
+/** Every method, its number (frozen) and its name in the program and the bindings. */
+#define BVX_LOD_LIST(X)                                                                         \
+    X(BVX_LOD_EDGE_RATIO, 1, "edge-ratio")                                                      \
+        /**< the paper's: samples of the extended voxel function, first change along an edge */ \
+    X(BVX_LOD_COVERAGE, 2, "coverage")                                                          \
+        /**< fraction of set voxels in the sample's box, linear positions */
+
 enum {
-    BVX_LOD_EDGE_RATIO = 1, /**< the paper's: samples of the extended voxel function, first change along an edge */
-    BVX_LOD_COVERAGE = 2    /**< fraction of set voxels in the sample's box, linear positions */
+#define BVX_LOD_LIST_ENUM(name, value, text) name = value,
+    BVX_LOD_LIST(BVX_LOD_LIST_ENUM)
+#undef BVX_LOD_LIST_ENUM
 };
 
 typedef struct bvx_lod_report {
@@ -2391,12 +2434,42 @@ BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *m
 
 /* ==== Second section: formats and pictures ================================================================== */
 
+/** Every format, its number (frozen) and the ending of its names, which is its own name too. NRRD has .nhdr besides. */
+#define BVX_FORMAT_LIST(X)           \
+    X(BVX_FORMAT_STL, 1, "stl")      \
+    X(BVX_FORMAT_OBJ, 2, "obj")      \
+    X(BVX_FORMAT_PLY, 3, "ply")      \
+    X(BVX_FORMAT_NPY, 4, "npy")      \
+    X(BVX_FORMAT_PNG, 5, "png")      \
+    X(BVX_FORMAT_OFF, 6, "off")      \
+    X(BVX_FORMAT_GLB, 7, "glb")      \
+    X(BVX_FORMAT_BINVOX, 8, "binvox") \
+    X(BVX_FORMAT_VOX, 9, "vox")      \
+    X(BVX_FORMAT_NRRD, 10, "nrrd")   \
+    X(BVX_FORMAT_VTI, 11, "vti")     \
+    X(BVX_FORMAT_BVX, 12, "bvx")     \
+    X(BVX_FORMAT_VTU, 13, "vtu")     \
+    X(BVX_FORMAT_RAW, 14, "raw")     \
+    X(BVX_FORMAT_XYZ, 15, "xyz")     \
+    X(BVX_FORMAT_CSL, 20, "csl")     \
+    X(BVX_FORMAT_CSV, 21, "csv")     \
+    X(BVX_FORMAT_SVG, 22, "svg")
+
 enum {
-    BVX_FORMAT_UNKNOWN = 0, BVX_FORMAT_STL = 1, BVX_FORMAT_OBJ = 2, BVX_FORMAT_PLY = 3, BVX_FORMAT_NPY = 4,
-    BVX_FORMAT_PNG = 5, BVX_FORMAT_OFF = 6, BVX_FORMAT_GLB = 7, BVX_FORMAT_BINVOX = 8, BVX_FORMAT_VOX = 9,
-    BVX_FORMAT_NRRD = 10, BVX_FORMAT_VTI = 11, BVX_FORMAT_BVX = 12,
-    BVX_FORMAT_VTU = 13, BVX_FORMAT_RAW = 14, BVX_FORMAT_XYZ = 15,
-    BVX_FORMAT_CSL = 20, BVX_FORMAT_CSV = 21, BVX_FORMAT_SVG = 22
+    BVX_FORMAT_UNKNOWN = 0,
+#define BVX_FORMAT_LIST_ENUM(name, value, text) name = value,
+    BVX_FORMAT_LIST(BVX_FORMAT_LIST_ENUM)
+#undef BVX_FORMAT_LIST_ENUM
+    /** What formats hold: bit 1 << format. */
+    BVX_MESHES_READ = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY | 1 << BVX_FORMAT_OFF,
+    BVX_MESHES_WRITTEN = BVX_MESHES_READ | 1 << BVX_FORMAT_GLB,
+    BVX_GRIDS_READ = 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_BINVOX | 1 << BVX_FORMAT_VOX | 1 << BVX_FORMAT_NRRD | 1 << BVX_FORMAT_VTI |
+                     1 << BVX_FORMAT_BVX,
+    BVX_GRIDS_WRITTEN = BVX_GRIDS_READ,
+    BVX_VOLUMES_READ = 1 << BVX_FORMAT_NRRD | 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_RAW,
+    BVX_POINTS_READ = 1 << BVX_FORMAT_XYZ | 1 << BVX_FORMAT_PLY,
+    BVX_SECTIONS_READ = 1 << BVX_FORMAT_CSL | 1 << BVX_FORMAT_CSV,
+    BVX_SECTIONS_WRITTEN = BVX_SECTIONS_READ | 1 << BVX_FORMAT_SVG
 };
 
 /** Bytes made by the library; freed by bvx_buffer_free. */

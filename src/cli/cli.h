@@ -2,6 +2,7 @@
 #ifndef BVX_CLI_H
 #define BVX_CLI_H
 
+#include "cli/endings.h"
 #include "bitvox.h"
 
 #include <stddef.h>

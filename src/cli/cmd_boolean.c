@@ -53,7 +53,7 @@ static int check_boolean_options(cli_run *run, boolean_run *b)
     grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
     b->kind = cli_kind_of_format(bvx_format_of_name(out));
     if (b->kind == 0)
-        return cli_usage(run, "%s: the name ends in no format that is written (.ply .obj .stl .off .glb, .npy .binvox .vox .nrrd .vti .bvx)", out);
+        return cli_usage(run, "%s: the name ends in no format that is written (" CLI_MESHES_WRITTEN ", " CLI_GRIDS ")", out);
     for (int i = 0; i < 2 && status == CLI_DONE && grids != 0; i++)
         status = refuse_boolean_option(run, of_lattice[i], "is for two meshes; a grid brings its own lattice");
     for (int i = 0; i < 4 && status == CLI_DONE && (grids != 0 || b->kind == CLI_GRID); i++)
@@ -342,12 +342,12 @@ static int run_boolean(cli_run *run)
 
 const cli_command cli_boolean = {
     "boolean", CLI_BOOLEAN, 3, 3, "OPERATION A B -o OUT [options]", "union, intersection, difference or xor of two bodies",
-    "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (.stl .obj .ply .off, also\n"
-    "with .gz) become a closed, manifold, oriented mesh that does not cross itself (.ply .obj .stl .off .glb),\n"
+    "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (" CLI_MESHES_READ ", also\n"
+    "with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN "),\n"
     "its vertices on their surfaces, whatever is wrong with how they meet; what is thinner than a voxel may\n"
-    "be lost. With --triangles or --error the edges of the result collapse. Grids (.npy .binvox .vox .nrrd .vti\n"
-    ".bvx) of one lattice are combined bit by bit; beside a grid a mesh is voxelized on its lattice. The result\n"
-    "is a mesh or a grid, as the ending of OUT says.",
+    "be lost. With --triangles or --error the edges of the result collapse. Grids\n"
+    "(" CLI_GRIDS ") of one lattice are combined bit by bit; beside a grid a mesh is\n"
+    "voxelized on its lattice. The result is a mesh or a grid, as the ending of OUT says.",
     "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"
     "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"
     "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx", run_boolean};

@@ -259,7 +259,7 @@ static int run_components(cli_run *run)
 
 const cli_command cli_components = {
     "components", CLI_COMPONENTS, 1, 1, "GRID [-o OUT] [options]", "the connected parts of a grid: listed, kept or dropped, numbered",
-    "Reads a grid (.npy .binvox .vox .nrrd .vti .bvx), drops the parts that --keep-largest, --at-least and\n"
+    "Reads a grid (" CLI_GRIDS "), drops the parts that --keep-largest, --at-least and\n"
     "--seed do not keep, fills cavities where asked, and tells of what is left: the largest parts with\n"
     "their sizes and boxes, cavities, tunnels and the Euler number. Parts are numbered by their first\n"
     "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid.",

@@ -22,7 +22,7 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     if (format == BVX_FORMAT_PNG) return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);
     if (to == 0)
         return cli_usage(run, "%s: the name ends in no format that is written (%s)", o->output,
-                         *kind == CLI_MESH ? ".ply .obj .stl .off .glb" : ".npy .binvox .vox .nrrd .vti .bvx, .vtu of octrees");
+                         *kind == CLI_MESH ? CLI_MESHES_WRITTEN : CLI_GRIDS ", .vtu of octrees");
     if (to == CLI_TREE && cli_input_format(run, o->input[0]) != BVX_FORMAT_BVX)
         return cli_usage(run, "%s is no octree, and %s would be its leaves: 'bitvox refine' makes octrees", cli_input_name(o->input[0]), o->output);
     if (to != CLI_TREE && *kind != to) return refuse_other_kind(run, *kind);
@@ -111,8 +111,8 @@ static int run_convert(cli_run *run)
 
 const cli_command cli_convert = {
     "convert", CLI_CONVERT, 1, 1, "IN -o OUT [options]", "a mesh, a grid or an octree in another format",
-    "Meshes: reads .stl .obj .ply .off, also with .gz, and writes .ply .obj .stl .off .glb.\n"
-    "Grids: reads .npy .binvox .vox .nrrd .vti .bvx, also with .gz, and writes the same.\n"
+    "Meshes: reads " CLI_MESHES_READ ", also with .gz, and writes " CLI_MESHES_WRITTEN ".\n"
+    "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same.\n"
     "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
     "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is told\n"
     "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for there.",

@@ -10,7 +10,7 @@ static int check_faces_options(cli_run *run)
     int kind, status = cli_input_kind(run, run->options.input[0], &kind);
     if (status != CLI_DONE) return status;
     if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH)
-        return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", out);
+        return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")", out);
     if (kind == CLI_GRID) return cli_refuse_for_grid(run, run->options.input[0]);
     status = cli_check_lattice(run);
     return status == CLI_DONE ? cli_check_fill(run) : status;
@@ -76,7 +76,7 @@ static int run_faces(cli_run *run)
 
 const cli_command cli_faces = {
     "faces", CLI_FACES, 1, 1, "IN -o OUT [options]", "the sides of voxels as a mesh",
-    "Reads a grid (.npy .binvox .vox .nrrd .vti .bvx), or a mesh (.stl .obj .ply .off, also with .gz) that\n"
+    "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
     "it voxelizes first, and writes each side between a set voxel and an empty one as two triangles (.ply\n"
     ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother ones.\n"
     "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",

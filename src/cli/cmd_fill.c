@@ -202,7 +202,7 @@ static int run_fill(cli_run *run)
 
 const cli_command cli_fill = {
     "fill", CLI_FILL, 1, 1, "GRID -o OUT [options]", "what lies inside a surface of voxels, from seeds",
-    "Reads a grid (.npy .binvox .vox .nrrd .vti .bvx) whose set voxels are walls, finds the pockets that they\n"
+    "Reads a grid (" CLI_GRIDS ") whose set voxels are walls, finds the pockets that they\n"
     "close, or takes the voxels of --seed, and writes all that is connected with these through empty\n"
     "voxels. With --mesh only pockets that lie inside the mesh are filled, so that hollows stay empty.\n"
     "It also tells what a search for one seed took: lines scanned along x, y and z.",

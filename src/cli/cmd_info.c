@@ -305,11 +305,11 @@ static int run_info(cli_run *run)
 
 const cli_command cli_info = {
     "info", CLI_INFO, 1, 1, "IN [options]", "what a mesh, a grid or an octree is: counts, bounds, closed, manifold, volume; voxels, lattice",
-    "Reads a mesh (.stl .obj .ply .off, also with .gz) and tells whether it is closed, manifold and\n"
+    "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and tells whether it is closed, manifold and\n"
     "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
     ".vti .bvx) and tells its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
     ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and tells what each of\n"
     "its levels holds; or a cloud of points (.xyz, .ply) and tells how many, and where they lie; or contours\n"
-    "(.csl .csv) and tells their sections, loops, labels and planes.",
+    "(" CLI_CONTOURS_READ ") and tells their sections, loops, labels and planes.",
     "bitvox info fixtures/knot.ply\n"
     "bitvox info fixtures/knot.ply --crossings --json", run_info};

@@ -216,12 +216,12 @@ static int run_lod(cli_run *run)
 
 const cli_command cli_lod = {
     "lod", CLI_LOD, 1, 1, "IN -o OUT_%d.EXT [options]", "a chain of closed meshes of several sizes from one mesh, grid or volume",
-    "Reads any mesh (.stl .obj .ply .off, also with .gz) and writes closed, manifold, oriented meshes of 1/2,\n"
-    "1/4 ... of its triangles, of --triangles, or as few as --error allows (.ply .obj .stl .off .glb; %d becomes\n"
+    "Reads any mesh (" CLI_MESHES_READ ", also with .gz) and writes closed, manifold, oriented meshes of 1/2,\n"
+    "1/4 ... of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN "; %d becomes\n"
     "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh collapse; where it is open,\n"
     "not manifold, flipped or crosses itself, its surface is measured first, as repair does. A target below\n"
     "what keeps a level sound gives the smallest level that is, marked NOT MET.\n"
-    "Grids (.npy .binvox .vox .nrrd .vti .bvx), volumes with --level, --range or --label, and meshes with --levels\n"
+    "Grids (" CLI_GRIDS "), volumes with --level, --range or --label, and meshes with --levels\n"
     "are sampled instead: --method edge-ratio or coverage.\n"
     "One .glb without %d holds all levels. glTF has no living extension for levels: they are nodes, and the\n"
     "vendor's MSFT_lod, which few readers use, says that they are one thing; other readers show the finest.",

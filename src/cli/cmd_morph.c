@@ -299,7 +299,7 @@ static int run_morph(cli_run *run)
 
 const cli_command cli_morph = {
     "morph", CLI_MORPH, 2, 2, "dilate|erode|open|close|hollow|distance IN -o OUT [options]", "voxels grown, shrunk, hollowed; distances",
-    "Reads a grid (.npy .binvox .vox .nrrd .vti .bvx), or a mesh (.stl .obj .ply .off, also with .gz) that\n"
+    "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
     "it voxelizes first. dilate grows it by neighbours or by a ball, erode shrinks it, open (erode, then\n"
     "dilate) takes away what is thin, close (dilate, then erode) fills gaps; hollow leaves a shell and can\n"
     "bore a drain hole through it; distance writes each centre's distance to the nearest set voxel, or\n"

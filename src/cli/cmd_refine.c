@@ -140,11 +140,11 @@ static int run_refine(cli_run *run)
 
 const cli_command cli_refine = {
     "refine", CLI_REFINE, 1, 1, "IN -o OUT [options]", "voxels of several sizes, small ones at the surface alone",
-    "Reads a mesh (.stl .obj .ply .off, also with .gz), lays --base voxels over it and halves those that\n"
+    "Reads a mesh (" CLI_MESHES_READ ", also with .gz), lays --base voxels over it and halves those that\n"
     "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the octree\n"
     "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the voxels\n"
     "of one level as a grid (.npy .binvox .vox .nrrd .vti, with --expand .bvx), or the last level's surface\n"
-    "as a closed mesh (.ply .obj .stl .off .glb; with --leaves the leaves as boxes), and a table of what\n"
+    "as a closed mesh (" CLI_MESHES_WRITTEN "; with --leaves the leaves as boxes), and a table of what\n"
     "each level holds. With --window only a part is fine, with --adaptive only what is not flat.",
     "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"
     "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"

@@ -250,7 +250,7 @@ static int run_render(cli_run *run)
 
 const cli_command cli_render = {
     "render", CLI_RENDER, 1, CLI_MAX_INPUTS, "IN... -o OUT.png [options]", "a shaded picture of a mesh or grid, or of several side by side",
-    "Reads meshes (.stl .obj .ply .off, also with .gz) and grids (.npy .binvox .vox .nrrd .vti .bvx) and\n"
+    "Reads meshes (" CLI_MESHES_READ ", also with .gz) and grids (" CLI_GRIDS ") and\n"
     "writes a picture; each fills its frame, and colours of vertices are shown. Triangles seen from\n"
     "behind are reddish, so holes and flipped triangles show. --voxels draws a mesh's solid instead,\n"
     "--cut opens a model, --slices lays a grid out, --compare shows two in one, --turntable goes round.",

@@ -266,8 +266,8 @@ static int run_repair(cli_run *run)
 
 const cli_command cli_repair = {
     "repair", CLI_REPAIR, 1, 1, "IN -o OUT [options]", "a closed, manifold, oriented mesh from any",
-    "Reads a mesh (.stl .obj .ply .off, also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
+    "Reads a mesh (" CLI_MESHES_READ ", also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
     "flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) - and writes one that is closed, manifold, oriented and does not\n"
-    "cross itself (.ply .obj .stl .off .glb). Details below a voxel are lost; what encloses nothing, like a\n"
+    "cross itself (" CLI_MESHES_WRITTEN "). Details below a voxel are lost; what encloses nothing, like a\n"
     "single sheet, becomes a shell; walls thinner than voxels are kept with --thin keep. With --triangles or --error the result's edges then collapse.",
     "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure", run_repair};

@@ -27,9 +27,9 @@ static int check_sections_options(cli_run *run)
     const cli_options *const o = &run->options;
     int32_t const format = cli_input_format(run, o->input[0]);
     if (!cli_is_contours(run, o->input[0]))
-        return cli_usage(run, "%s: the name ends in no contour format that is read (.csl .csv, also with .gz)", cli_input_name(o->input[0]));
+        return cli_usage(run, "%s: the name ends in no contour format that is read (" CLI_CONTOURS_READ ", also with .gz)", cli_input_name(o->input[0]));
     if (cli_kind_of_format(bvx_format_of_name(o->output)) != CLI_MESH)
-        return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)", o->output);
+        return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")", o->output);
     if (cli_given(run, "--close-gap") && format != BVX_FORMAT_CSV)
         return cli_usage(run, "--close-gap is for .csv; loops of .csl are closed by their format");
     if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;

@@ -107,9 +107,9 @@ const cli_command cli_simplify = {
     .most_inputs = 1,
     .usage = "IN -o OUT [options]",
     .does = "fewer triangles for a manifold mesh, by count or by error",
-    .details = "Reads a mesh (.stl .obj .ply .off, also with .gz) that is manifold, collapses the edges that cost\n"
+    .details = "Reads a mesh (" CLI_MESHES_READ ", also with .gz) that is manifold, collapses the edges that cost\n"
                "least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
-               "as --error allows (.ply .obj .stl .off .glb). No collapse joins what is apart, turns a triangle,\n"
+               "as --error allows (" CLI_MESHES_WRITTEN "). No collapse joins what is apart, turns a triangle,\n"
                "makes two cross or crumples thin parts; a target below what that allows gives the smallest mesh\n"
                "that keeps it, marked NOT MET. A closed mesh stays closed; an open one keeps its borders, unless\n"
                "--open says otherwise. Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one\n"

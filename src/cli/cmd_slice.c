@@ -11,7 +11,7 @@ static int check_slice_options(cli_run *run)
     int kind, status = cli_input_kind(run, o->input[0], &kind);
     if (status != CLI_DONE) return status;
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV && format != BVX_FORMAT_SVG)
-        return cli_usage(run, "%s: the name ends in no contour format that is written (.csl .csv .svg)", o->output);
+        return cli_usage(run, "%s: the name ends in no contour format that is written (" CLI_CONTOURS_WRITTEN ")", o->output);
     if (!cli_given(run, "--spacing")) return cli_usage(run, "--spacing is needed");
     if (format == BVX_FORMAT_CSV && o->up_axis != 0 && o->up_axis != 3)
         return cli_usage(run, "%s: .csv holds planes across z only; take .csl", o->output);
@@ -91,7 +91,7 @@ static int run_slice(cli_run *run)
 
 const cli_command cli_slice = {
     "slice", CLI_SLICE, 1, 1, "IN -o OUT --spacing S [options]", "the contours of a mesh or grid on parallel planes",
-    "Reads a closed mesh (.stl .obj .ply .off) or a grid (.npy .binvox .vox .nrrd .vti .bvx), also with\n"
+    "Reads a closed mesh (" CLI_MESHES_READ ") or a grid (" CLI_GRIDS "), also with\n"
     ".gz, and writes where planes meet its surface, exactly: .csl, .csv (planes across z), or a drawing\n"
     "(.svg). 'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, which\n"
     "'bitvox repair' mends first, as it closes holes and turns flipped triangles.",

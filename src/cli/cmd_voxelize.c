@@ -218,13 +218,13 @@ static int run_voxelize(cli_run *run)
 
 const cli_command cli_voxelize = {
     "voxelize", CLI_VOXELIZE, 1, 1, "IN -o OUT [options]", "a mesh, a cloud of points or a volume as a grid of voxels",
-    "Reads a mesh (.stl .obj .ply .off, also with .gz) and writes the voxels whose centres lie inside it,\n"
+    "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and writes the voxels whose centres lie inside it,\n"
     "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a\n"
     "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
     "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"
     "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.\n"
     "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT is a\n"
-    "mesh (.ply .obj .stl .off .glb) it becomes their closed surface: of --level by the values between the\n"
+    "mesh (" CLI_MESHES_WRITTEN ") it becomes their closed surface: of --level by the values between the\n"
     "samples, else at the middle between set and empty ones; --all-labels writes one a label, and edges\n"
     "collapse with --triangles or --error. Samples that are NaN or infinite are outside, and counted.\n\n"
     "Of a cloud of points (.xyz, or .ply without faces) the voxels that hold points are set, with --body\n"

@@ -10,7 +10,7 @@ enum { VOX_SIDE = 256 };
 int cli_check_grid_name(cli_run *run, const char *path)
 {
     if (cli_kind_of_format(bvx_format_of_name(path)) != CLI_GRID)
-        return cli_usage(run, "%s: the name ends in no grid format that is written (.npy .binvox .vox .nrrd .vti .bvx)", path);
+        return cli_usage(run, "%s: the name ends in no grid format that is written (" CLI_GRIDS ")", path);
     return CLI_DONE;
 }
 

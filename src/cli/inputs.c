@@ -12,24 +12,12 @@
 
 enum { READS_PARTS = CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT }; /* components chooses by itself */
 
-#define INPUT_ENDINGS ".stl .obj .ply .off, or .npy .binvox .vox .nrrd .nhdr .vti .bvx .raw, also with .gz"
+#define INPUT_ENDINGS CLI_MESHES_READ ", or " CLI_GRIDS " .nhdr .raw, also with .gz"
 
 int cli_kind_of_format(int32_t format)
 {
-    switch (format) {
-    case BVX_FORMAT_STL:
-    case BVX_FORMAT_OBJ:
-    case BVX_FORMAT_PLY:
-    case BVX_FORMAT_OFF:
-    case BVX_FORMAT_GLB: return CLI_MESH;
-    case BVX_FORMAT_NPY:
-    case BVX_FORMAT_BINVOX:
-    case BVX_FORMAT_VOX:
-    case BVX_FORMAT_NRRD:
-    case BVX_FORMAT_VTI:
-    case BVX_FORMAT_BVX: return CLI_GRID;
-    default: return 0;
-    }
+    if (format < 0 || format > 30) return 0;
+    return (BVX_MESHES_WRITTEN >> format & 1) != 0 ? CLI_MESH : (BVX_GRIDS_READ >> format & 1) != 0 ? CLI_GRID : 0;
 }
 
 int cli_is_packed(const char *path)
@@ -40,8 +28,12 @@ int cli_is_packed(const char *path)
 
 const char *cli_format_name(int32_t format)
 {
-    static const char *const name[] = {"unknown", "stl", "obj", "ply", "npy", "png", "off", "glb", "binvox", "vox", "nrrd", "vti", "bvx", "vtu", "raw", "xyz"};
-    return format > 0 && format < (int32_t)(sizeof name / sizeof name[0]) ? name[format] : name[0];
+    switch (format) {
+#define FORMAT_NAME(name, value, text) case name: return text;
+        BVX_FORMAT_LIST(FORMAT_NAME)
+#undef FORMAT_NAME
+    default: return "unknown";
+    }
 }
 
 int cli_needs_sidecar(int32_t format)
@@ -66,8 +58,7 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
     *kind = format == BVX_FORMAT_GLB ? 0 : format == BVX_FORMAT_RAW ? CLI_GRID : cli_kind_of_format(format);
     if (*kind != 0) return CLI_DONE;
     if (strcmp(path, "-") == 0)
-        return cli_usage(run, "--format names no mesh format that is read, and no grid format (stl, obj, ply, off, npy, binvox, vox, "
-                         "nrrd, vti, bvx)");
+        return cli_usage(run, "--format names no mesh format that is read, and no grid format (" CLI_MESHES_READ " " CLI_GRIDS ")");
     if (format == BVX_FORMAT_GLB) return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
     return cli_fail(run, "%s: the name ends in no mesh format that is read, and in no grid format (" INPUT_ENDINGS ")", path);
 }

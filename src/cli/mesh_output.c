@@ -54,7 +54,7 @@ char *cli_numbered_path(const char *pattern, int64_t number)
 int cli_check_mesh_name(cli_run *run, const char *path)
 {
     if (cli_kind_of_format(bvx_format_of_name(path)) == CLI_MESH) return CLI_DONE;
-    return cli_usage(run, "%s: the name ends in no mesh format that is written (.ply .obj .stl .off .glb)",
+    return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")",
                      path);
 }
 

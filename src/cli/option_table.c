@@ -39,15 +39,20 @@
 
 #define WRITES_MESHES (REDUCES | MAKES_LEVELS | CLI_FACES | CLI_CONVERT | CLI_REFINE)
 
-/* In the order of their numbers. */
-static const char *const method_names[] = {"edge-ratio", "coverage", "collapse", NULL};
+/* Names come from the header's lists, in the order of their numbers; "" cannot be asked for, NULL ends. */
+#define NAME_OF(name, value, text) text,
+#define SIGN_OF_REPAIR(name, value, text) (BVX_SIGNS_OF_REPAIR >> (value) & 1) != 0 ? text : "",
+#define FILL_OF_BOOLEAN(name, value, text) (BVX_FILLS_OF_BOOLEAN >> (value) & 1) != 0 ? text : "",
+#define FORMAT_ASKED_FOR(name, value, text) [value] = (value) == BVX_FORMAT_PNG ? "" : (value) == BVX_FORMAT_SVG ? NULL : text,
+
+static const char *const method_names[] = {BVX_LOD_LIST(NAME_OF) "collapse", NULL};
 static const char *const error_names[] = {"mean", "max", NULL};
 static const char *const source_names[] = {"auto", "mesh", "measured", NULL};
-const char *const cli_fill_names[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding", "auto", NULL};
+const char *const cli_fill_names[] = {BVX_FILL_LIST(NAME_OF) NULL};
 const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", "field", NULL};
-const char *const cli_sign_names[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none", NULL};
-static const char *const repair_sign_names[] = {"auto", "exact", "", "", "winding", "vote", NULL};
-static const char *const boolean_fill_names[] = {"parity", "nonzero", "vote", "", "", "", "winding", "auto", NULL};
+const char *const cli_sign_names[] = {BVX_SIGN_LIST(NAME_OF) NULL};
+static const char *const repair_sign_names[] = {BVX_SIGN_LIST(SIGN_OF_REPAIR) NULL};
+static const char *const boolean_fill_names[] = {BVX_FILL_LIST(FILL_OF_BOOLEAN) NULL};
 static const char *const edge_names[] = {"vector", "scalar", "middle", "paper", "tangent", NULL};
 static const char *const value_type_names[] = {"f32", "f64", NULL};
 static const char *const axis_names[] = {"x", "y", "z", NULL};
@@ -64,14 +69,14 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 static const char *const thin_names[] = {"shell", "keep", "drop", NULL};
 /* By BVX_SAMPLE_... */
 static const char *const sample_type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", NULL};
-/* By BVX_FORMAT_...; glb and vtu are only written, png has no name. */
-static const char *const format_names[] = {"stl", "obj", "ply", "npy", "", "off", "glb", "binvox", "vox", "nrrd", "vti", "bvx", "vtu", "raw", "xyz", NULL};
+/* By BVX_FORMAT_...; glb and vtu are only written, png and svg are not asked for. A gap ends the names before those of contours. */
+static const char *const every_format[] = {BVX_FORMAT_LIST(FORMAT_ASKED_FOR)};
+#define FORMAT_NAMES (every_format + BVX_FORMAT_STL)
+#define CONTOUR_FORMAT_NAMES (every_format + BVX_FORMAT_CSL)
 
 /* By BVX_OPEN_..., of lod and then of simplify. */
 static const char *const open_names[] = {"shell", "keep", "cut", NULL};
 static const char *const open_input_names[] = {"refuse", "keep", "cut", NULL};
-
-static const char *const contour_format_names[] = {"csl", "csv", NULL};
 
 static const cli_argument arguments[] = {
     FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH | CLI_COMPONENTS | CLI_SIMPLIFY, output,
@@ -279,8 +284,8 @@ static const cli_argument arguments[] = {
      "a sheet of N slices of the voxels across an axis, like z:16"},
     FLAG("--compare", CLI_RENDER, difference, "two inputs in one picture: what the second adds green, what it lacks red"),
     WHOLE("--turntable", "N", CLI_RENDER, turntable, 2, 360, "N pictures once round the axis of --up, to OUT_%d.png"),
-    CHOICE("--format", "NAME", CLI_SECTIONS, format, contour_format_names, BVX_FORMAT_CSL, "format of standard input, with - as input: csl or csv"),
-    CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, format_names, BVX_FORMAT_STL, "format of standard input and output, with - as input or after -o,\nor of files in --output-dir: stl, obj, ply ... [output: ply, bvx, nrrd for distances, csv, png]"),
+    CHOICE("--format", "NAME", CLI_SECTIONS, format, CONTOUR_FORMAT_NAMES, BVX_FORMAT_CSL, "format of standard input, with - as input: csl or csv"),
+    CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, FORMAT_NAMES, BVX_FORMAT_STL, "format of standard input and output, with - as input or after -o,\nor of files in --output-dir: stl, obj, ply ... [output: ply, bvx, nrrd for distances, csv, png]"),
     WHOLE("--threads", "N", CLI_ALL, threads, 0, 1024, "workers, 0: all there are [0]"),
     BYTES("--memory-limit", "BYTES", CLI_ALL, memory_limit,
           "most memory for data; K, M and G are understood [what there is;\nfiles: half of it]"),

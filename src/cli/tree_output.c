@@ -16,8 +16,8 @@ int cli_check_tree_output(cli_run *run, cli_tree *t)
     int const expand = cli_given(run, "--expand");
     t->kind = format == BVX_FORMAT_BVX && !expand ? 0 : cli_kind_of_format(format);
     if (t->kind == 0 && format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)
-        return cli_usage(run, "%s: the name ends in no format that octrees are written to (.bvx .vtu, .npy .binvox .vox .nrrd .vti, .ply .obj "
-                         ".stl .off .glb)", path);
+        return cli_usage(run, "%s: the name ends in no format that octrees are written to (.bvx .vtu, .npy .binvox .vox .nrrd .vti, "
+                         CLI_MESHES_WRITTEN ")", path);
     if (expand && t->kind != CLI_GRID) return cli_usage(run, "--expand is for grids; %s would be none", path);
     if (cli_given(run, "--states") && t->kind == 0 && format == BVX_FORMAT_BVX)
         return cli_usage(run, "--states chooses voxels; %s holds the whole octree: take --expand, or another format", path);

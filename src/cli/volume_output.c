@@ -19,8 +19,8 @@ static int check_volume_output(cli_run *run, int *kind)
     int const has_number = cli_has_number(out);
     *kind = cli_kind_of_format(bvx_format_of_name(out));
     if (*kind == 0)
-        return cli_usage(run, "%s: the name ends in no grid format that is written (.npy .binvox .vox .nrrd .vti .bvx), and in no mesh "
-                         "format (.ply .obj .stl .off .glb)", out);
+        return cli_usage(run, "%s: the name ends in no grid format that is written (" CLI_GRIDS "), and in no mesh "
+                         "format (" CLI_MESHES_WRITTEN ")", out);
     if (*kind == CLI_GRID && cli_refuse_reduction(run, "is for a mesh; the result is a grid") != CLI_DONE) return CLI_USAGE;
     if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
     if (run->options.all_labels && (*kind != CLI_MESH || !has_number))

@@ -39,7 +39,7 @@ static bvx_status check_measure_choices(bvx_context *ctx, const bvx_field_option
 {
     if (!(o->half_width > 0.0))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: half_width is %g; it must be above 0", measure_name, o->half_width);
-    if (o->sign < BVX_SIGN_AUTO || o->sign > BVX_SIGN_NONE)
+    if (o->sign < 0 || o->sign >= BVX_SIGN_COUNT)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: sign rule %d is unknown", measure_name, (int64_t)o->sign);
     if (o->value_type != BVX_F32 && o->value_type != BVX_F64)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: value_type is %d, not BVX_F32 (1) or BVX_F64 (2)", measure_name, (int64_t)o->value_type);

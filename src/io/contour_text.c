@@ -1,5 +1,6 @@
 /* contour_text.c - contour stacks as readers make them, and which reader a format has. */
 #include "io/contour_text.h"
+#include "io/formats.h"
 
 #include "section/section.h"
 
@@ -98,7 +99,7 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     if (o.reserved != 0) return bvxi_fail_reserved(context, function, "");
     if (!(o.close_gap >= 0.0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: close_gap is %g, not 0 or more", function, o.close_gap);
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no contours that can be read (CSL, CSV)", function, (int64_t)format);
+        return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "contours that are read", format, BVX_SECTIONS_READ);
     if (size > SIZE_MAX / 2) return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses", function, size);
     memset(&f, 0, sizeof f);
     f.ctx = context;

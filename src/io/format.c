@@ -1,5 +1,5 @@
-/* format.c - which format a file name stands for. */
-#include "core/core.h"
+/* format.c - which format a file name stands for, and which ones hold what. */
+#include "io/formats.h"
 
 /* 1 when the n characters at text are ending, in either case of letters. */
 static int name_ends_with(const char *text, size_t n, const char *ending)
@@ -15,14 +15,12 @@ static int name_ends_with(const char *text, size_t n, const char *ending)
 
 int32_t bvx_format_of_name(const char *name)
 {
+#define BVXI_FORMAT_ENDING(name, value, text) {"." text, name},
     static const struct {
         const char *ending;
         int32_t format;
-    } known[] = {{".stl", BVX_FORMAT_STL}, {".obj", BVX_FORMAT_OBJ}, {".ply", BVX_FORMAT_PLY}, {".npy", BVX_FORMAT_NPY},
-                 {".png", BVX_FORMAT_PNG}, {".off", BVX_FORMAT_OFF}, {".glb", BVX_FORMAT_GLB}, {".binvox", BVX_FORMAT_BINVOX},
-                 {".vox", BVX_FORMAT_VOX}, {".nrrd", BVX_FORMAT_NRRD}, {".vti", BVX_FORMAT_VTI}, {".bvx", BVX_FORMAT_BVX},
-                 {".vtu", BVX_FORMAT_VTU}, {".csl", BVX_FORMAT_CSL}, {".csv", BVX_FORMAT_CSV}, {".svg", BVX_FORMAT_SVG},
-                 {".nhdr", BVX_FORMAT_NRRD}, {".raw", BVX_FORMAT_RAW}, {".xyz", BVX_FORMAT_XYZ}};
+    } known[] = {BVX_FORMAT_LIST(BVXI_FORMAT_ENDING){".nhdr", BVX_FORMAT_NRRD}};
+#undef BVXI_FORMAT_ENDING
     size_t n;
     if (name == NULL) return BVX_FORMAT_UNKNOWN;
     n = bvxi_text_length(name);
@@ -30,4 +28,25 @@ int32_t bvx_format_of_name(const char *name)
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (name_ends_with(name, n, known[i].ending)) return known[i].format;
     return BVX_FORMAT_UNKNOWN;
+}
+
+bvx_status bvxi_fail_format(bvx_context *ctx, bvx_status status, const char *function, const char *what, int32_t format, int32_t set)
+{
+#define BVXI_FORMAT_TEXT(name, value, text) {" ." text, name},
+    static const struct {
+        const char *text;
+        int32_t format;
+    } known[] = {BVX_FORMAT_LIST(BVXI_FORMAT_TEXT)};
+#undef BVXI_FORMAT_TEXT
+    char endings[128] = "";
+    size_t n = 0;
+
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        size_t const k = bvxi_text_length(known[i].text);
+
+        if ((set >> known[i].format & 1) == 0 || n + k >= sizeof endings) continue;
+        memcpy(endings + n, known[i].text, k + 1);
+        n += k;
+    }
+    return bvxi_fail_for(ctx, status, BVX_REASON_CHOICE, "%s: format %d holds no %s; take%s", function, (int64_t)format, what, endings);
 }

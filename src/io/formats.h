@@ -183,4 +183,7 @@ static inline void bvxi_world_position(const bvx_mesh *mesh, uint64_t vertex, do
     }
 }
 
+/* format.c: refuse a format that is not one of a set of the header's (BVX_MESHES_READ ...), with the endings of those. */
+BVXI_COLD bvx_status bvxi_fail_format(bvx_context *ctx, bvx_status status, const char *function, const char *what, int32_t format, int32_t set);
+
 #endif

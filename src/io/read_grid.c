@@ -92,8 +92,7 @@ static bvx_status read_grid_as(const bvxi_grid_source *source, int32_t format, b
     case BVX_FORMAT_VOX: return bvxi_read_vox(source, grid);
     case BVX_FORMAT_BVX: return bvxi_read_bvx(source, grid);
     default:
-        return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT,
-                         "bvx_read_grid: format %d holds no grid; take NPY, BINVOX, VOX, NRRD, VTI or BVX", (int64_t)format);
+        return bvxi_fail_format(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_grid", "grid", format, BVX_GRIDS_READ);
     }
 }
 

@@ -163,9 +163,8 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function, size);
-    if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY && format != BVX_FORMAT_OFF)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: format %d holds no mesh that is read; take STL, OBJ, PLY or OFF",
-                         function, (int64_t)format);
+    if (format < 0 || format > BVX_FORMAT_SVG || (BVX_MESHES_READ >> format & 1) == 0)
+        return bvxi_fail_format(context, BVX_ERR_ARGUMENT, function, "mesh that is read", format, BVX_MESHES_READ);
     if (mesh->owned != 1 && !bvxi_mesh_is_empty(mesh))
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh brings arrays, which are not used; zero it first", function);
     source.ctx = context;

@@ -112,7 +112,7 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
     if (size > SIZE_MAX / 2)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", read_points_name, size);
     if (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: format %d holds no points that are read; take XYZ or PLY", read_points_name, (int64_t)format);
+        return bvxi_fail_format(context, BVX_ERR_ARGUMENT, read_points_name, "points that are read", format, BVX_POINTS_READ);
     if (points->owned != 1 && !bvxi_mesh_is_empty(points))
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: points brings arrays, which are not used; zero it first", read_points_name);
     source.ctx = context;

@@ -217,8 +217,7 @@ static bvx_status find_volume(const bvxi_grid_source *source, int32_t format, bv
     case BVX_FORMAT_VTI: return bvxi_find_vti(source, d);
     case BVX_FORMAT_RAW: return find_raw(source, d);
     default:
-        return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_volume: format %d holds no volume; take NRRD, NPY, VTI or RAW",
-                         (int64_t)format);
+        return bvxi_fail_format(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_volume", "volume", format, BVX_VOLUMES_READ);
     }
 }
 

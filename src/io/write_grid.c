@@ -52,8 +52,7 @@ static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int
     case BVX_FORMAT_VTI: return bvxi_write_vti(context, grid, file);
     case BVX_FORMAT_BVX: return bvxi_write_bvx(context, grid, file);
     default:
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
-                         "%s: format %d holds no grid; take NPY, BINVOX, VOX, NRRD, VTI or BVX", function, (int64_t)format);
+        return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "grid", format, BVX_GRIDS_WRITTEN);
     }
 }
 

@@ -143,8 +143,7 @@ static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int3
                          format == BVX_FORMAT_STL ? "STL holds normals of triangles only, and always has them"
                                                   : "OFF is written without normals");
     default:
-        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: format %d holds no mesh; take STL, OBJ, PLY, OFF or GLB",
-                         function, (int64_t)format);
+        return bvxi_fail_format(ctx, BVX_ERR_UNSUPPORTED, function, "mesh", format, BVX_MESHES_WRITTEN);
     }
 }
 

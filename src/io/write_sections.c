@@ -224,7 +224,7 @@ static bvx_status check_section_format(bvx_context *ctx, const char *function, c
             if (s->point_count > 0 && !(high[k] - low[k] < 0x1p1020))
                 return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the points reach from %g to %g in their plane, too far to be drawn", function, low[k], high[k]);
     } else {
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: format %d is no contour format (CSL, CSV, SVG)", function, (int64_t)format);
+        return bvxi_fail_format(ctx, BVX_ERR_ARGUMENT, function, "contours", format, BVX_SECTIONS_WRITTEN);
     }
     return BVX_OK;
 }

@@ -53,10 +53,9 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
 {
     if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown", boolean_name, (int64_t)operation);
-    if (o->fill != BVX_FILL_PARITY && o->fill != BVX_FILL_NONZERO && o->fill != BVX_FILL_VOTE && o->fill != BVX_FILL_WINDING &&
-        o->fill != BVX_FILL_AUTO)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: fill %d is not BVX_FILL_AUTO, PARITY, NONZERO, VOTE or WINDING", boolean_name,
-                         (int64_t)o->fill);
+    if (o->fill < 0 || o->fill >= BVX_FILL_COUNT || (BVX_FILLS_OF_BOOLEAN >> o->fill & 1) == 0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: fill %d is not BVX_FILL_AUTO, PARITY, NONZERO, VOTE or WINDING", boolean_name, (int64_t)o->fill);
     if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: interpolation %d is unknown", boolean_name, (int64_t)o->interpolation);
     if (o->face_rule != BVX_FACE_SEPARATE && o->face_rule != BVX_FACE_JOIN)

@@ -24,7 +24,7 @@ static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_option
 {
     if (o->sign < BVX_SIGN_AUTO || o->sign > BVX_SIGN_VOTE)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sign %d is none of BVX_SIGN_AUTO .. BVX_SIGN_VOTE", bvxi_repair_name, (int64_t)o->sign);
-    if (o->sign == BVX_SIGN_NORMAL || o->sign == BVX_SIGN_PSEUDONORMAL)
+    if ((BVX_SIGNS_OF_REPAIR >> o->sign & 1) == 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: signs by normals are wrong beyond holes; take auto, exact, winding or vote", bvxi_repair_name);
     if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: interpolation %d is unknown", bvxi_repair_name, (int64_t)o->interpolation);

@@ -26,7 +26,7 @@ static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const ch
 static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
 {
     int const below = o->fill == BVX_FILL_BELOW;
-    if (o->fill < BVX_FILL_PARITY || o->fill > BVX_FILL_AUTO)
+    if (o->fill < 0 || o->fill >= BVX_FILL_COUNT)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: fill rule %d is unknown", solid_name, (int64_t)o->fill);
     if (o->reserved != 0) return bvxi_fail_reserved(ctx, solid_name, "");
     if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)

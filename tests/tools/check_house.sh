@@ -90,6 +90,17 @@ every_function_proven() {
     empty "$work/unproven.txt" 'unproven functions'
 }
 
+# Names of rules, methods and formats come from the header's lists, texts of endings from src/cli/endings.h, and a reserved field is
+# refused in one wording.
+lists_stand_once() {
+    grep -n -E '[({] *("parity", *"nonzero"|"auto", *"exact"|"stl", *"obj"|"npy", *"binvox"|"csl", *"csv")|"edge-ratio", *"coverage"' -r src bindings/python/src/bitvox \
+        --include='*.[ch]' --include='*.py' >"$work/twice.txt"
+    grep -n -F -e '.ply .obj .stl' -e '.stl .obj .ply' -e '.npy .binvox .vox .nrrd .vti .bvx' src/cli/*.[ch] | grep -v '^src/cli/endings\.h:' >>"$work/twice.txt"
+    # shellcheck disable=SC2086
+    grep -n -i -E 'bvxi_fail(_for)?\(.*[a-z.]*reserved[^"]* (is|must)' $core | grep -v -E 'reserved byte|reserved must be 0' >>"$work/twice.txt"
+    empty "$work/twice.txt" 'a list or wording by hand:'
+}
+
 # A result may be passed again: tests/unit/test_reuse.c has a row for every function that makes one. Handles of bvx_closest_create
 # are made anew each time.
 every_result_reused() {
@@ -253,6 +264,7 @@ check 'fast-math is refused' refuses_fast_math
 check 'every function is one rise of progress' every_function_rises
 check 'no caller reads messages' nobody_reads_messages
 check 'every result can be passed again' every_result_reused
+check 'lists stand once' lists_stand_once
 check 'every function has a fault test, a fuzz target and a golden row' every_function_proven
 check 'global names of the static library' static_names
 check 'no writable globals' no_globals

@@ -348,7 +348,7 @@ static void test_xyz_refuses(void)
     expect_refused(BVX_ERR_FORMAT, READ("1 2 3\n4 5 6x\n"), "line 2: expected a coordinate, found '6x'");
     expect_refused(BVX_ERR_RANGE, READ("1 2 3\n\n4 nan 6\n"), "line 3: point 1");
     expect_refused(BVX_ERR_RANGE, READ("1 2 1e999\n"), "line 1: point 0");
-    expect_refused(BVX_ERR_ARGUMENT, bvx_read_points(ctx, "1 2 3", 5, BVX_FORMAT_STL, &m), "take XYZ or PLY");
+    expect_refused(BVX_ERR_ARGUMENT, bvx_read_points(ctx, "1 2 3", 5, BVX_FORMAT_STL, &m), "take .ply .xyz");
     expect_refused(BVX_ERR_ARGUMENT, bvx_read_points(ctx, NULL, 5, BVX_FORMAT_XYZ, &m), "bytes is NULL");
     expect_refused(BVX_ERR_ARGUMENT, bvx_read_points(ctx, "1 2 3", 5, BVX_FORMAT_XYZ, NULL), "points is NULL");
     TEST_ASSERT_NULL(m.positions);

@@ -13,9 +13,9 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, position_type
 from ._octree import with_positions
 from ._records import record
-from ._run import SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, options_of
+from ._run import SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, names_of, options_of
 
-EDGES = ("vector", "scalar", "middle", "paper", "tangent")
+EDGES = names_of("BVX_EDGE_")
 
 
 class Field:

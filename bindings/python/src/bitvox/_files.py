@@ -10,13 +10,13 @@ from ._errors import ArgumentError, MemoryLimitError, UnsupportedError
 from ._grid import Grid, new_grid
 from ._lattice import WindowLike, set_window
 from ._mesh import Mesh, new_mesh
-from ._run import Progress, Run, ffi, function, lib, options_of
+from ._run import Progress, Run, ffi, formats_in, function, lib, options_of
 from ._vti import without_blocks
 from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
 
-MESH_FORMATS = ("stl", "obj", "ply", "off")
-MESH_OUTPUTS = (*MESH_FORMATS, "glb")
-GRID_FORMATS = ("npy", "binvox", "vox", "nrrd", "vti", "bvx")
+MESH_FORMATS = formats_in(lib.BVX_MESHES_READ)
+MESH_OUTPUTS = formats_in(lib.BVX_MESHES_WRITTEN)
+GRID_FORMATS = formats_in(lib.BVX_GRIDS_READ)
 _TREE_MAGIC = b"\x89BVO"
 _BESIDE = ("npy", "vox")  # the lattice stands in FILE.json
 

@@ -11,7 +11,7 @@ from ._grid import Grid
 from ._lattice import Lattice
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
-from ._run import Progress, Rise, Run, choice, ffi, in_range, lib, options_of
+from ._run import REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, lib, names_of, options_of
 from ._stages import carried, grid_of, surface, voxelize
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ ERROR_KINDS = ("mean", "max")
 SOURCES = ("auto", "mesh", "measured")
 OPENS = ("shell", "keep", "cut")  # by BVX_OPEN_...; what simplify calls the first
 OPEN_INPUTS = ("refuse", "keep", "cut")
-METHODS = ("collapse", "edge-ratio", "coverage")
+METHODS = ("collapse", *names_of("BVX_LOD_"))
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
 HALVINGS, FEWEST = 4, 20  # levels by halving where none are asked for, and triangles that the last one has at least
 
@@ -395,7 +395,7 @@ def lod(
             options.lattice = lattice._c
         if resolution is not None:
             options.resolution = in_range("resolution", resolution, 1, 2**24)
-        options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", ("auto", "exact", "winding", "vote"))
+        options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", REPAIR_SIGNS)
         options.sharp = -1 if sharp is None else int(bool(sharp))
         options.outer = int(bool(outer_hull))
         if shell is not None:

@@ -12,9 +12,9 @@ from ._grid import Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh
 from ._records import record
-from ._run import Progress, Run, ffi, function, in_range, lib, options_of
+from ._run import Progress, Run, ffi, formats_in, function, in_range, lib, options_of
 
-POINT_FORMATS = ("xyz", "ply")
+POINT_FORMATS = formats_in(lib.BVX_POINTS_READ)
 
 
 def read_points(path: str | os.PathLike[str], *, format: str | None = None, threads: int | None = None, memory_limit: int | None = None,

@@ -340,9 +340,24 @@ def name_of(value: int, prefix: str, names: tuple[str, ...]) -> str:
     return str(value)
 
 
-FILLS = ("parity", "nonzero", "vote", "flood", "regions", "below", "winding", "auto")
-FILL_REASONS = ("asked", "sound", "nested", "overlap", "open", "unorientable")
-SIGN_RULES = ("auto", "exact", "normal", "pseudonormal", "winding", "vote", "none")
+_NAMES = dir(lib)
+
+
+def names_of(prefix: str, *but: str) -> tuple[str, ...]:
+    """The choices that the header has, by their numbers: names_of("BVX_FILL_", ...) begins with "parity"."""
+    found = (name for name in _NAMES if name.startswith(prefix) and not name.startswith(("BVX_FORMAT_UNKNOWN", prefix + "COUNT", *but)))
+    return tuple(name.removeprefix(prefix).lower().replace("_", "-") for name in sorted(found, key=lambda name: getattr(lib, name)))
+
+
+def formats_in(bits: int) -> tuple[str, ...]:
+    """The formats of one of the header's sets, such as BVX_MESHES_READ."""
+    return tuple(name for name in names_of("BVX_FORMAT_") if bits >> getattr(lib, "BVX_FORMAT_" + name.upper()) & 1)
+
+
+FILLS = names_of("BVX_FILL_", "BVX_FILL_REASON_")
+FILL_REASONS = names_of("BVX_FILL_REASON_")
+SIGN_RULES = names_of("BVX_SIGN_")
+REPAIR_SIGNS = tuple(name for number, name in enumerate(SIGN_RULES) if lib.BVX_SIGNS_OF_REPAIR >> number & 1)
 
 
 def version() -> str:

@@ -9,13 +9,13 @@ from . import _arrays as arrays
 from ._errors import ArgumentError
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
-from ._run import Progress, Rise, Run, choice, ffi, function, in_range, options_of
+from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of
 
-CAPS = ("flat", "taper", "open")
-NESTING = ("levels", "whole")
-CROSSINGS = ("exact", "paper", "classic")
-SECTION_FORMATS = ("csl", "csv")
-SECTION_OUTPUTS = ("csl", "csv", "svg")
+CAPS = names_of("BVX_CAPS_")
+NESTING = names_of("BVX_NESTING_")
+CROSSINGS = names_of("BVX_CROSSINGS_")
+SECTION_FORMATS = formats_in(lib.BVX_SECTIONS_READ)
+SECTION_OUTPUTS = formats_in(lib.BVX_SECTIONS_WRITTEN)
 
 
 class Loop(NamedTuple):

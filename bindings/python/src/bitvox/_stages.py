@@ -12,12 +12,12 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh
 from ._octree import with_positions
 from ._records import record
-from ._run import FILLS, Progress, Rise, Run, choice, ffi, function, in_range, lib, options_of
+from ._run import FILLS, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, function, in_range, lib, names_of, options_of
 
 if TYPE_CHECKING:
     from .reports import Certificate, Difference, Distances, Seed
 
-OPERATIONS = ("union", "intersection", "difference", "xor")
+OPERATIONS = names_of("BVX_BOOLEAN_")
 MODES = ("solid", "conservative", "thin", "sampled")
 SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
 
@@ -502,7 +502,7 @@ def repair(
         options.lattice = lattice._c
     elif resolution is not None:
         options.resolution = in_range("resolution", resolution, 1, 2**24)
-    options.sign = choice("sign", sign, "BVX_SIGN_", ("auto", "exact", "winding", "vote"))
+    options.sign = choice("sign", sign, "BVX_SIGN_", REPAIR_SIGNS)
     options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
     options.sharp = -1 if sharp is None else int(bool(sharp))

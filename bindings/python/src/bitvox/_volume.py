@@ -12,11 +12,11 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh
 from ._octree import with_positions
 from ._records import record
-from ._run import Progress, Rise, Run, choice, ffi, in_range, lib, options_of
+from ._run import Progress, Rise, Run, choice, ffi, formats_in, in_range, lib, options_of
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
-VOLUME_FORMATS = ("nrrd", "nhdr", "npy", "vti", "raw")
+VOLUME_FORMATS = (*formats_in(lib.BVX_VOLUMES_READ), "nhdr")
 
 
 def _type_number(code: str) -> int:
