@@ -634,7 +634,8 @@ typedef struct bvx_solid_report {
     int32_t fill;             /**< BVX_FILL_...: the rule that filled, AUTO's choice or the one asked for */
     int32_t fill_reason;      /**< BVX_FILL_REASON_... */
     uint64_t turned;          /**< auto: triangles that were turned round before */
-    uint64_t doubles;         /**< auto, where edges do not balance: triangles that an earlier one equals, or without area: left out */
+    uint64_t doubles;         /**< auto, where edges do not balance or nothing is inside: triangles that an earlier one
+                                   equals, facing either way, or without area: left out */
     uint64_t reserved[2];
 } bvx_solid_report;
 

@@ -38,7 +38,8 @@ static bvx_status try_parity(bvx_context *ctx, auto_work *w, const bvx_grid *sol
     BVXI_TRY(bvxi_solid_fill(ctx, &w->job, solid, 0, BVX_FILL_PARITY, 0.1, 1.0, report));
     w->job.summed = 0;
 
-    *filled = w->job.signed_sum == w->job.parity_sum || w->job.signed_sum == 0 - w->job.parity_sum;
+    /* Nothing inside is looked into: triangles that are there twice, once either way, hide what lies between. */
+    *filled = w->job.parity_sum != 0 && (w->job.signed_sum == w->job.parity_sum || w->job.signed_sum == 0 - w->job.parity_sum);
     if (!*filled) *report = before;
     return BVX_OK;
 }
@@ -100,8 +101,8 @@ static bvx_status drop_copies(bvx_context *ctx, auto_work *w)
     return BVX_OK;
 }
 
-/* Weld, and turn patches. unbalanced: there may be copies of triangles. */
-static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int unbalanced)
+/* Weld, and turn patches. copies: leave out those of triangles, which may be there. */
+static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
 {
     const bvx_mesh_view *const view = &w->choice.view;
     uint64_t different;
@@ -109,7 +110,7 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int unbalanced)
     bound_triangles(w);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' places", &w->representative));
     BVXI_TRY(bvxi_weld(ctx, view, w->representative, &different));
-    if (unbalanced) BVXI_TRY(drop_copies(ctx, w));
+    if (copies) BVXI_TRY(drop_copies(ctx, w));
 
     BVXI_TRY(bvxi_patches_open(ctx, view, w->representative, w->centre, &w->patches));
     w->choice.turned = w->patches.turned;
@@ -215,11 +216,9 @@ static bvx_status look_for_depths(bvx_context *ctx, auto_work *w, const bvx_latt
     return status;
 }
 
-static bvx_status choose_closed(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
+/* Rows of the mesh as it stands now, which is closed and oriented. */
+static bvx_status choose_by_depths(bvx_context *ctx, auto_work *w, int32_t depths)
 {
-    int32_t depths;
-
-    BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
     if (depths == 0 || depths == BVXI_DEPTH_UP || depths == BVXI_DEPTH_DOWN) {
         choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
         return BVX_OK;
@@ -235,10 +234,17 @@ static bvx_status choose_closed(bvx_context *ctx, auto_work *w, const bvx_lattic
     return choose_for_parts(ctx, w, depths);
 }
 
-static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
+static bvx_status choose_closed(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
 {
-    BVXI_TRY(look_at_edges(ctx, w, 1));
+    int32_t depths;
 
+    BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
+    return choose_by_depths(ctx, w, depths);
+}
+
+/* By the edges of triangles that are there once each. */
+static bvx_status choose_by_patches(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
+{
     if (w->patches.unorientable != 0 || (w->patches.odd_edges == 0 && w->patches.open_edges != 0)) {
         choose_auto(w, BVX_FILL_VOTE, BVX_FILL_REASON_UNORIENTABLE);
         return BVX_OK;
@@ -248,6 +254,31 @@ static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_la
         return BVX_OK;
     }
     return choose_closed(ctx, w, lattice);
+}
+
+static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
+{
+    BVXI_TRY(look_at_edges(ctx, w, 1));
+    return choose_by_patches(ctx, w, lattice);
+}
+
+/* Edges balance. Where no row is ever inside, each triangle may be there twice, facing either way, as in models for games: once each
+ * they can enclose something. Sheets that are open then enclose nothing, as before. */
+static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
+{
+    const bvx_mesh_view given = w->choice.view;
+    int32_t depths;
+
+    BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
+    if (depths != 0) return choose_by_depths(ctx, w, depths);
+
+    BVXI_TRY(look_at_edges(ctx, w, 1));
+    if (w->choice.doubles != 0 && w->patches.odd_edges == 0) return choose_by_patches(ctx, w, lattice);
+
+    w->choice.view = given;
+    w->choice.turned = w->choice.doubles = 0;
+    choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
+    return BVX_OK;
 }
 
 /* ---- The whole ---- */
@@ -262,7 +293,7 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
 
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
     if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice)) BVXI_TRY(try_parity(ctx, w, solid, report, filled));
-    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.1, 0.8, choose_closed(ctx, w, &solid->lattice));
+    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.1, 0.8, choose_balanced(ctx, w, &solid->lattice));
 }
 
 bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, bvxi_fill_by_name_fn *by_name, bvx_grid *solid,

@@ -152,6 +152,51 @@ static void test_some_doubled_triangles_are_there_once(void)
     bvx_grid_free(ctx, &good);
 }
 
+/* Every triangle once either way, as in models for games: their edges balance, and what they enclose cancels out. */
+static void test_two_sided_triangles_are_there_once(void)
+{
+    bvx_window const w = {{20, 3, 11}, {17, 40, 9}};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid good, good_window, g;
+    size_t count;
+
+    add_ball(24.3, 24.1, 24.2, 20);
+    good = solid_of(&l, BVX_FILL_PARITY);
+    good_window = solid_by(ctx, &l, &w, BVX_FILL_PARITY, &r);
+    count = mesh.triangles;
+    for (size_t t = 0; t < count; t++) maker_duplicate(&mesh, t);
+    maker_flip(&mesh, count, mesh.triangles);
+
+    assert_auto_equals(&good, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0, "a ball of two sides");
+    g = solid_by(ctx, &l, &w, BVX_FILL_AUTO, &r);
+    assert_same_bits(&good_window, &g, "a window of it");
+    TEST_ASSERT_EQUAL_UINT64(count, r.doubles);
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &good_window);
+    bvx_grid_free(ctx, &good);
+}
+
+static void test_a_sheet_of_two_sides_encloses_nothing(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_solid_report r;
+    bvx_grid g;
+    size_t count;
+
+    /* A ball without its upper part. */
+    add_ball(24.3, 24.1, 24.2, 20);
+    for (int i = 0; i < 300; i++) maker_remove(&mesh, mesh.triangles - 1);
+    count = mesh.triangles;
+    for (size_t t = 0; t < count; t++) maker_duplicate(&mesh, t);
+    maker_flip(&mesh, count, mesh.triangles);
+
+    assert_auto_sets(&l, 0, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0);
+    g = by_auto(&l, &r);
+    TEST_ASSERT_EQUAL_UINT64(0, r.doubles);
+    bvx_grid_free(ctx, &g);
+}
+
 /* ---- Cavities ---- */
 
 static void test_cavities_stay_cavities(void)
@@ -413,6 +458,8 @@ int main(void)
     RUN_TEST(test_a_part_inside_out_beside_a_right_one_is_inside);
     RUN_TEST(test_doubled_triangles_are_there_once);
     RUN_TEST(test_some_doubled_triangles_are_there_once);
+    RUN_TEST(test_two_sided_triangles_are_there_once);
+    RUN_TEST(test_a_sheet_of_two_sides_encloses_nothing);
     RUN_TEST(test_cavities_stay_cavities);
     RUN_TEST(test_cavities_stay_beside_overlaps);
     RUN_TEST(test_holes_are_filled_by_winding_after_turning);
