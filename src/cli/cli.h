@@ -126,7 +126,7 @@ typedef struct cli_options {
     cli_planes cut;
     cli_sheet slices;
     int32_t mode;               /* of voxelize: CLI_MODE_... */
-    int32_t close_gaps, add_shell, check_edges, compare_fills;
+    int32_t close_gaps, add_shell, check_edges, check_thin, compare_fills;
     double base;                /* height that columns stand on */
     const char *second;         /* the other terrain's file */
     int32_t up_axis;            /* 1 to 3 */
@@ -470,6 +470,9 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
 /* The rule that filled, and why. */
 void cli_say_fill(cli_run *run, const bvx_solid_report *report);
 /* What the report of a solid tells: warnings; lines of text; a member of the JSON report. */
+/* Of the thin walls and the volume that a solid has lost; of: an input among several with ": ", or "". */
+void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice, const bvx_solid_report *report);
+void cli_json_losses(cli_text *text, const bvx_lattice *lattice, const bvx_solid_report *report);
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
 void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
 void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);

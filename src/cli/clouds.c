@@ -16,7 +16,7 @@ int cli_check_cloud_options(cli_run *run, const char *kind)
 
 int cli_check_cloud(cli_run *run, int cloud)
 {
-    static const char *const of_meshes[] = {"--mode", "--fill", "--add-shell", "--check-edges", "--compare-fills", "--half-width",
+    static const char *const of_meshes[] = {"--mode", "--fill", "--add-shell", "--check-edges", "--check-thin", "--compare-fills", "--half-width",
                                             "--sign", "--vectors", "--value-type"};
     const cli_options *const o = &run->options;
     const char *const name = cli_input_name(o->input[0]);

@@ -265,12 +265,15 @@ static void report_operand(cli_run *run, const boolean_run *b, int i)
     cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
     cli_json_count(t, "doubles", r->doubles);
+    cli_json_losses(t, &run->report.lattice, r);
     cli_text_add(t, "}");
 }
 
 static void warn_of_boolean(cli_run *run, const boolean_run *b)
 {
     static const char *const what[3] = {"A", "B", "the result"};
+    char of[600];
+
     for (int i = 0; i < 2; i++) {
         if (!b->is_mesh[i]) continue;
         if (b->solid[i].unbalanced_rows != 0)
@@ -279,6 +282,8 @@ static void warn_of_boolean(cli_run *run, const boolean_run *b)
         if (b->solid[i].fill_reason == BVX_FILL_REASON_NESTED)
             cli_warn(run, "%s: closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero "
                      "has it solid", cli_input_name(b->in[i].path));
+        snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));
+        cli_warn_of_losses(run, of, &run->report.lattice, &b->solid[i]);
     }
     for (int i = 0; i < 2 && !b->by_mesh; i++)
         if (b->is_mesh[i] && b->voxels[i] == 0) cli_warn(run, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));

@@ -19,7 +19,7 @@ typedef struct voxel_job {
 
 static int check_mode(cli_run *run)
 {
-    static const char *const of_solids[] = {"--fill", "--close-gaps", "--add-shell", "--check-edges", "--compare-fills",
+    static const char *const of_solids[] = {"--fill", "--close-gaps", "--add-shell", "--check-edges", "--check-thin", "--compare-fills",
                                             "--base", "--second", "--up"};
     int32_t const mode = run->options.mode;
     for (size_t i = 0; i < sizeof of_solids / sizeof of_solids[0] && mode != CLI_MODE_SOLID; i++)
@@ -42,7 +42,7 @@ static int check_second(cli_run *run)
 static int check_volume(cli_run *run, bvx_window *window)
 {
     static const char *const of_meshes[] = {"--resolution", "--spacing", "--origin", "--padding", "--mode", "--fill", "--close-gaps",
-                                            "--add-shell", "--check-edges", "--compare-fills", "--base", "--second", "--up",
+                                            "--add-shell", "--check-edges", "--check-thin", "--compare-fills", "--base", "--second", "--up",
                                             "--half-width", "--sign", "--vectors", "--value-type"};
     for (size_t i = 0; i < sizeof of_meshes / sizeof of_meshes[0]; i++)
         if (cli_given(run, of_meshes[i]))

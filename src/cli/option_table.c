@@ -66,6 +66,7 @@ static const char *const caps_names[] = {"flat", "taper", "open", NULL};
 static const char *const nesting_names[] = {"levels", "whole", NULL};
 static const char *const crossings_names[] = {"exact", "paper", "classic", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
+static const char *const check_thin_names[] = {"auto", "never", "always", NULL}; /* -1, 0, 1 */
 static const char *const thin_names[] = {"shell", "keep", "drop", NULL};
 /* By BVX_SAMPLE_... */
 static const char *const sample_type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", NULL};
@@ -169,6 +170,9 @@ static const cli_argument arguments[] = {
     FLAG("--body", CLI_VOXELIZE, body, "of a cloud: set what a flood from outside cannot reach too"),
     FLAG("--add-shell", CLI_VOXELIZE | CLI_FILL, add_shell, "set all voxels of the surface too"),
     FLAG("--check-edges", CLI_VOXELIZE, check_edges, "count edges with one triangle, and those between flipped ones"),
+    CHOICE("--check-thin", "WHEN", CLI_VOXELIZE, check_thin, check_thin_names, -1,
+           "look for walls too thin for the voxels, for a warning with their place.\nauto: where the surface crosses a fiftieth more lines of centres than the\n"
+           "voxels show, in whole lattices; always; never [auto]"),
     FLAG("--compare-fills", CLI_VOXELIZE, compare_fills, "a table of what each rule would set, and where they differ"),
     NUMBER("--base", "H", CLI_VOXELIZE, base, "with --fill below: the height that columns stand on [the lattice's\nlow end]"),
     FILE_NAME("--second", "MESH", CLI_VOXELIZE, second, "with --fill below: what lies between IN and this terrain; tells cut\nand fill"),

@@ -2,6 +2,8 @@
 #include "cli/cli.h"
 
 #include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 int cli_check_fill(cli_run *run)
@@ -14,6 +16,7 @@ int cli_check_fill(cli_run *run)
     if (cli_given(run, "--close-gaps") && o->fill != BVX_FILL_FLOOD && !o->compare_fills && !o->body)
         return cli_usage(run, voxelize ? "--close-gaps needs --fill flood, --compare-fills, or --body for clouds" : "--close-gaps needs --fill flood");
     if (below && o->add_shell) return cli_usage(run, "--add-shell has no use with --fill below");
+    if (below && cli_given(run, "--check-thin") && o->check_thin == 1) return cli_usage(run, "--check-thin has no use with --fill below: it is for bodies");
     if (below && o->compare_fills) return cli_usage(run, "--compare-fills has no use with --fill below: the other rules are for closed shapes");
     if ((o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS) && o->window.count != 0)
         return cli_usage(run, "--fill %s needs the whole lattice, no --window", cli_fill_names[o->fill]);
@@ -37,6 +40,7 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
     v->close_gaps = o->fill == BVX_FILL_FLOOD ? o->close_gaps : 0;
     v->add_shell = o->add_shell;
     v->check_edges = o->check_edges;
+    if (cli_given(run, "--check-thin")) v->check_thin = o->check_thin;
     if (o->up_axis != 0) v->axis = o->up_axis - 1;
     if (cli_given(run, "--base")) v->base = o->base;
 }
@@ -46,6 +50,47 @@ static uint64_t rows_of(const bvx_grid *g, int32_t fill)
 {
     uint64_t const x = (uint64_t)g->size[0], y = (uint64_t)g->size[1], z = (uint64_t)g->size[2];
     return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO || fill == BVX_FILL_WINDING ? y * z : y * z + x * z + x * y;
+}
+
+/* Where the thin walls lie, in the mesh's unit. */
+static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box[6])
+{
+    for (int a = 0; a < 3; a++) {
+        box[a] = l->origin[a] + (double)r->thin_low[a] * l->spacing[a];
+        box[a + 3] = l->origin[a] + ((double)r->thin_high[a] + 1.0) * l->spacing[a];
+    }
+}
+
+/* of: an input among several, or "". */
+void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice, const bvx_solid_report *r)
+{
+    char advice[80] = "";
+    double box[6];
+
+    thin_box(lattice, r, box);
+    if (r->thin_resolution > 0) snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them", (int)r->thin_resolution);
+    if (r->thin_voxels != 0)
+        cli_warn(run, "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
+                      " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s", of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5],
+                 advice, run->command->bit == CLI_VOXELIZE ? "; --add-shell sets the surface's voxels too" : "");
+    if (r->mesh_volume != 0 && fabs(r->volume - r->mesh_volume) > 0.05 * r->mesh_volume)
+        cli_warn(run, "%sthe volume of the voxels is %.6g, that of the mesh %.6g (%+.1f %%), and no parts overlap; take a higher --resolution",
+                 of, r->volume, r->mesh_volume, (r->volume / r->mesh_volume - 1.0) * 100.0);
+}
+
+void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
+{
+    double box[6];
+
+    thin_box(lattice, r, box);
+    cli_json_value(t, "volume", r->volume);
+    if (r->mesh_volume != 0) cli_json_value(t, "mesh_volume", r->mesh_volume);
+    cli_json_truth(t, "thin_checked", r->thin_checked);
+    cli_json_count(t, "thin_voxels", r->thin_voxels);
+    cli_json_value(t, "thin_wall", r->thin_wall);
+    cli_json_count(t, "thin_resolution", (uint64_t)r->thin_resolution);
+    if (r->thin_voxels != 0)
+        cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2], box[3], box[4], box[5]);
 }
 
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *r)
@@ -65,6 +110,7 @@ void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_repor
     if (r->mixed_regions != 0)
         cli_warn(run, "%" PRIu64 " of %" PRIu64 " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64
                  " voxels kept its own vote", r->mixed_regions, r->regions, r->mixed_voxels);
+    cli_warn_of_losses(run, "", &grid->lattice, r);
 }
 
 int cli_fill_input(cli_run *run, cli_input *in)
@@ -125,6 +171,8 @@ void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_rep
             cli_say(run, "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64 " voxels, volume %.9g\n", r->cut_voxels,
                     (double)r->cut_voxels * voxel, r->fill_voxels, (double)r->fill_voxels * voxel);
     }
+    if (r->thin_checked)
+        cli_say(run, "  thin        %" PRIu64 " voxels at walls below 1.5 voxels that are lost or have gaps\n", r->thin_voxels);
     if (o->check_edges)
         cli_say(run, "  edges       %" PRIu64 " with one triangle, %" PRIu64 " between flipped ones\n", r->boundary_edges, r->flipped_edges);
 }
@@ -162,5 +210,6 @@ void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_
         cli_json_count(t, "boundary_edges", r->boundary_edges);
         cli_json_count(t, "flipped_edges", r->flipped_edges);
     }
+    cli_json_losses(t, lattice, r);
     cli_text_add(t, "}");
 }

@@ -22,7 +22,7 @@ typedef struct thin_job {
 /* ---- What is found ---- */
 
 /* Voxels along the longest axis: as asked for, or of the lattice that was given. */
-static int32_t longest_side(const bvxi_repair_job *job)
+static int32_t longest_thin_side(const bvxi_repair_job *job)
 {
     int32_t longest = job->resolution;
 
@@ -31,7 +31,7 @@ static int32_t longest_side(const bvxi_repair_job *job)
     return longest;
 }
 
-static bvx_status count_components(thin_job *t)
+static bvx_status count_thin_components(thin_job *t)
 {
     bvxi_repair_job *const job = t->job;
     uint64_t const vertices = job->given->vertex_count;
@@ -56,9 +56,9 @@ static bvx_status tell_walls(thin_job *t)
     if (found.voxels == 0) return BVX_OK;
     memcpy(r->thin_low, found.low, sizeof found.low);
     memcpy(r->thin_high, found.high, sizeof found.high);
-    r->thin_resolution = bvxi_wall_resolution(longest_side(t->job), found.wall);
+    r->thin_resolution = bvxi_wall_resolution(longest_thin_side(t->job), found.wall);
     r->thin_kept = t->job->options->thin == BVX_THIN_KEEP;
-    return count_components(t);
+    return count_thin_components(t);
 }
 
 /* ---- Walls made thicker ---- */

@@ -48,6 +48,10 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
  * solid, but for parts narrower than a voxel along the line and sheets. Exact; any threads. Scratch: as bvx_voxelize_surface. */
 bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *lost);
 
+/* solid_losses.c: the report's volumes and thin walls of a solid that options have filled. Scratch: thin_walls.h where walls are looked for. */
+bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                             const bvx_voxelize_options *options, bvx_solid_report *report);
+
 /* shell.c: the conservative surface of a mesh over the window of solid, in scratch words, and how many voxels it has. */
 bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *shell, uint64_t *voxels);
 void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell);

@@ -13,6 +13,7 @@
 #include "core/hash.h"
 #include "mesh/facet.h"
 #include "mesh/radix.h"
+#include "mesh/scale.h"
 #include "mesh/view.h"
 #include "voxelize/fills.h"
 
@@ -278,11 +279,27 @@ static bvx_status order_triangles_nearby(bvxi_walls *t)
     return status;
 }
 
+/* Bounds of their corners; vertices that no triangle uses may be anything. */
+static void bound_triangles_nearby(const bvxi_walls *t, double low[3], double high[3])
+{
+    for (uint64_t n = 0; n < 3 * t->near.triangle_count; n++) {
+        double p[3];
+
+        bvxi_view_position(&t->near, t->corner[n], p);
+        for (int a = 0; a < 3; a++) {
+            p[a] += 0.0; /* -0 is 0 */
+            if (n == 0 || p[a] < low[a]) low[a] = p[a];
+            if (n == 0 || p[a] > high[a]) high[a] = p[a];
+        }
+    }
+}
+
 /* Triangles within WALL_REACH of the list's centres, and a search among them. */
 bvx_status bvxi_walls_near(bvxi_walls *t)
 {
     bvx_context *const ctx = t->ctx;
     uint64_t bytes = 1;
+    double low[3], high[3];
     bvx_status status;
 
     for (int a = 0; a < 3; a++) {
@@ -301,7 +318,8 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
     t->blocks = NULL;
     if (status != BVX_OK || t->near.triangle_count == 0) return status;
     BVXI_TRY(order_triangles_nearby(t));
-    return bvxi_closest_open(ctx, t->function, "thin", 0.3, 0.4, &t->near, &t->closest);
+    bound_triangles_nearby(t, low, high);
+    return bvxi_closest_build(ctx, "thin", 0.3, 0.4, &t->near, low, high, bvxi_unit_scale(low, high), &t->closest.tree);
 }
 
 /* ---- What the mesh is like at a centre ---- */

@@ -1,7 +1,7 @@
 /* voxelize_solid.c - the voxels whose centres lie inside a mesh: bvx_voxelize_solid and its rules.
  *
  * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c, regions.c, below.c), the shell
- * is added and the edges are counted where asked. */
+ * is added, the edges are counted where asked, and a report says what was lost. */
 #include "voxelize/auto.h"
 #include "voxelize/fills.h"
 
@@ -9,7 +9,7 @@
 
 static const char solid_name[] = "bvx_voxelize_solid";
 static const bvx_voxelize_options voxelize_defaults = {
-    0, BVX_FILL_AUTO, 0, {{0, 0, 0}, {0, 0, 0}}, NULL, 0, 0, 0, 2, -(double)INFINITY, NULL};
+    0, BVX_FILL_AUTO, 0, {{0, 0, 0}, {0, 0, 0}}, NULL, 0, 0, 0, 2, -(double)INFINITY, NULL, -1, 0};
 
 void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size)
 {
@@ -28,19 +28,23 @@ static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
     int const below = o->fill == BVX_FILL_BELOW;
     if (o->fill < 0 || o->fill >= BVX_FILL_COUNT)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: fill rule %d is unknown", solid_name, (int64_t)o->fill);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, solid_name, "");
+    if ((o->reserved | o->reserved2) != 0) return bvxi_fail_reserved(ctx, solid_name, "");
     if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps is %d; 0 to %d are possible", solid_name, (int64_t)o->close_gaps,
                          (int64_t)BVXI_MOST_GAP);
     if ((o->add_shell & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: add_shell is %d, not 0 or 1", solid_name, (int64_t)o->add_shell);
     if ((o->check_edges & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_edges is %d, not 0 or 1", solid_name, (int64_t)o->check_edges);
+    if (o->check_thin < -1 || o->check_thin > 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_thin is %d, not -1, 0 or 1", solid_name, (int64_t)o->check_thin);
     if (o->axis < 0 || o->axis > 2) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: axis is %d, not 0, 1 or 2", solid_name, (int64_t)o->axis);
     if (o->base != o->base) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: base is not a number", solid_name);
     if (o->close_gaps != 0 && o->fill != BVX_FILL_FLOOD) return refuse_for_rule(ctx, "close_gaps", "flood");
     if (o->axis != 2 && !below) return refuse_for_rule(ctx, "axis", "below");
     if (o->base != voxelize_defaults.base && !below) return refuse_for_rule(ctx, "base", "below");
     if (o->second != NULL && !below) return refuse_for_rule(ctx, "second", "below");
+    if (o->check_thin == 1 && below)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_thin is for bodies, not for the rule below", solid_name);
     if (o->add_shell && below) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the rule below has no shell to add", solid_name);
     return BVX_OK;
 }
@@ -186,7 +190,7 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
 {
     bvx_voxelize_options o = voxelize_defaults;
     bvx_solid_report report = {0};
-    double filled, shelled; /* progress by then */
+    double filled, shelled, checked; /* progress by then */
     bvx_window window;
     bvx_grid made;
     bvx_status status;
@@ -197,12 +201,15 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     made = *solid;
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;
-    shelled = o.check_edges ? 0.4 : 1.0;
+    checked = o.report != NULL ? 0.8 : 1.0;
+    shelled = o.check_edges ? 0.4 * checked : checked;
     filled = o.add_shell ? 0.5 * shelled : shelled;
     status = BVXI_SHARE(context, 0.0, filled, fill_the_grid(context, mesh, &o, &made, &report));
     if (status == BVX_OK && o.add_shell)
         status = BVXI_SHARE(context, filled, shelled, add_the_shell(context, mesh, &made, &report));
-    if (status == BVX_OK && o.check_edges) status = BVXI_SHARE(context, shelled, 1.0, count_edges(context, mesh, &report));
+    if (status == BVX_OK && o.check_edges) status = BVXI_SHARE(context, shelled, checked, count_edges(context, mesh, &report));
+    if (status == BVX_OK && o.report != NULL)
+        status = BVXI_SHARE(context, checked, 1.0, bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
     if (status != BVX_OK) {
         if (solid->words == NULL) bvx_grid_free(context, &made);
         return status;

@@ -5,8 +5,8 @@
 
 /* ---- Inputs, made once ---- */
 
-static maker_mesh closed, hollow, holes, overlapping; /* hollow: a cavity; holes: triangles missing and turned */
-static bvx_mesh_view closed_view, hollow_view, holes_view, overlap_view;
+static maker_mesh closed, hollow, holes, overlapping, shell; /* hollow: a cavity; holes: triangles missing and turned; shell: half a voxel */
+static bvx_mesh_view closed_view, hollow_view, holes_view, overlap_view, shell_view;
 static bvx_lattice lattice;
 static bvx_grid surface;
 static bvx_context *maker; /* what made them */
@@ -32,6 +32,13 @@ static int make_inputs(void **state)
         maker_flip(&overlapping, first, overlapping.triangles);
         maker_flip(&overlapping, 3, 4);
     }
+    for (int i = 0; i < 2; i++) {
+        double const r[3] = {7 - 0.5 * i, 7 - 0.5 * i, 7 - 0.5 * i};
+        uint64_t same = 3;
+        maker_star(&shell, &same, centre, r, 0, 8, 12, 65536);
+    }
+    maker_flip(&shell, shell.triangles / 2, shell.triangles);
+    shell_view = maker_view(&shell);
     overlap_view = maker_view(&overlapping);
     closed_view = maker_view(&closed);
     hollow_view = maker_view(&hollow);
@@ -51,6 +58,7 @@ static int free_inputs(void **state)
     maker_free(&hollow);
     maker_free(&holes);
     maker_free(&overlapping);
+    maker_free(&shell);
     return 0;
 }
 
@@ -102,6 +110,19 @@ static bvx_status automatic(void *user, bvx_context *ctx)
     bvx_voxelize_options_init(&o, sizeof o);
     for (int a = 0; a < 3; a++) o.window.size[a] = 5 + a;
     return fill_by(ctx, &holes_view, &o);
+}
+
+/* Walls that are lost: of a shell thinner than voxels. */
+static bvx_status losses(void *user, bvx_context *ctx)
+{
+    bvx_voxelize_options o;
+    bvx_solid_report report;
+    (void)user;
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.report = &report;
+    bvx_status const status = fill_by(ctx, &shell_view, &o);
+    if (status == BVX_OK) assert_true(report.thin_voxels > 0);
+    return status;
 }
 
 static bvx_status regions(void *user, bvx_context *ctx)
@@ -199,7 +220,7 @@ typedef struct fill_kind {
 static fill_kind fills[] = {
     {"vote", vote, 0},       {"regions", regions, 0}, {"flood", flood, 0},     {"below", below, 0},
     {"compare", compare, 0}, {"seed", seed, 0},       {"pockets", pockets, 0}, {"fill", grid_fill, 0},
-    {"overlap", overlap, 0}, {"auto", automatic, 0},
+    {"overlap", overlap, 0}, {"auto", automatic, 0}, {"losses", losses, 0},
 };
 enum { KINDS = sizeof fills / sizeof fills[0] };
 

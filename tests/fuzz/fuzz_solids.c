@@ -25,6 +25,7 @@ static int fuzz_fill(bvx_context *ctx, bvx_context *other, fuzz_input *in, const
         o.second = fuzz_second_view(in, &second);
     } else {
         o.add_shell = fuzz_range(in, 0, 1);
+        o.check_thin = fuzz_range(in, -1, 1);
     }
     o.check_edges = fuzz_range(in, 0, 1);
     if (!fuzz_good(ctx, bvx_voxelize_solid(ctx, &m->view, lattice, &o, solid))) {

@@ -105,7 +105,7 @@ reports 'voxelize --mode sampled --json' 'r["surface"]["mode"] == "sampled" and 
 reports 'voxelize --mode thin --json' 'r["surface"] == {"mode": "thin"} and r["set"] > 0' voxelize "$knot" -o x.bvx --mode thin --resolution 70
 reports 'an open mesh has a surface' 'r["set"] > 0 and r["warnings"] == []' voxelize ground.obj -o x.bvx --mode conservative --spacing 1
 rm -f x.bvx
-for option in '--fill parity' '--close-gaps 2' --add-shell --check-edges --compare-fills '--base 1' "--second $knot" '--up z'; do
+for option in '--fill parity' '--close-gaps 2' --add-shell --check-edges '--check-thin always' --compare-fills '--base 1' "--second $knot" '--up z'; do
     # shellcheck disable=SC2086
     refuses 2 'is for solids' voxelize "$knot" -o x.bvx --mode thin $option
 done
@@ -158,6 +158,21 @@ refuses 2 '--close-gaps needs --fill flood' voxelize box.obj -o x.bvx --close-ga
 refuses 2 '--close-gaps needs --fill flood' voxelize box.obj -o x.bvx --close-gaps 3 --fill regions
 for rule in flood regions; do refuses 2 'needs the whole lattice' voxelize box.obj -o x.bvx --fill $rule --window 0,0,0,2,2,2; done
 refuses 2 'one of: parity, nonzero, vote, flood, regions, below' voxelize box.obj -o x.bvx --fill all
+
+# A wall of 0.4 voxels beside a block, and what is told of it.
+{ corners 0 2 2 2; for z in 3.06 3.1; do printf 'v 2.5 2.5 %s\nv 5 2.5 %s\nv 5 5 %s\nv 2.5 5 %s\n' $z $z $z $z; done; sides 0 <all; sides 8 <all; } >plate.obj
+{ corners 0 2 2 2; sides 0 <all; } >two.obj
+warns "walls thinner than 1.5 voxels are lost where no voxel's centre lies in them: " voxelize plate.obj -o x.bvx --spacing 0.1
+holds 'with a place and a remedy' grep -q -E '[0-9]+ voxels, in 2[.]5,2[.]5,3 to 5,5,3[.]1; --resolution 188 keeps nine tenths of them; --add-shell' err
+reports 'thin walls are in the report' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] > 500 and abs(r["solid"]["thin_wall"] - 0.04) < 0.002
+    and len(r["solid"]["thin_box"]) == 2 and len(r["warnings"]) == 1 and abs(r["solid"]["volume"] - 8) < 0.01' voxelize plate.obj -o x.bvx --spacing 0.1
+reports 'and are not looked for with never' 'r["solid"]["thin_checked"] is False and r["warnings"] == []' voxelize plate.obj -o x.bvx --spacing 0.1 --check-thin never
+reports 'or where nothing is missing' 'r["solid"]["thin_checked"] is False and "thin_box" not in r["solid"]' voxelize box.obj -o x.bvx --spacing 0.25
+reports 'but with always' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] == 0' voxelize box.obj -o x.bvx --spacing 0.25 --check-thin always
+# Voxels of 1.3 for a cube of 2: eight of them.
+warns 'the volume of the voxels is 17.576, that of the mesh 8 (+119.7 %), and no parts overlap' voxelize two.obj -o x.bvx --spacing 1.3
+rm -f x.bvx
+refuses 2 'has no use with --fill below' voxelize box.obj -o x.bvx --fill below --check-thin always
 
 works 'voxelize --compare-fills' voxelize "$knot" -o x.bvx --resolution 70 --compare-fills
 holds 'rules: a row each' test "$(grep -c -E '^    (parity|nonzero|vote|flood|regions) +[0-9]+$' out)" = 5

@@ -261,7 +261,8 @@ static void test_choices_out_of_range(void)
     static const choice bad[] = {
         BAD(lattice_fit_with, lattice, padding, -1), BAD(voxelize_solid, voxelize, fill, 99), BAD(voxelize_solid, voxelize, fill, -1),
         BAD(voxelize_solid, voxelize, close_gaps, -1), BAD_SWITCH(voxelize_solid, voxelize, add_shell),
-        BAD_SWITCH(voxelize_solid, voxelize, check_edges), BAD(voxelize_solid, voxelize, axis, 3),
+        BAD_SWITCH(voxelize_solid, voxelize, check_edges), BAD(voxelize_solid, voxelize, check_thin, 2), BAD(voxelize_solid, voxelize, check_thin, -2),
+        BAD(voxelize_solid, voxelize, axis, 3),
         BAD(compare_fills, compare_fills, close_gaps, -1), BAD(compare_fills, compare_fills, close_gaps, 1 << 30),
         BAD(voxelize_surface, surface, mode, 99), BAD(voxelize_surface, surface, mode, -1), BAD(grid_dilate, morph, neighbourhood, 5),
         BAD(grid_erode, morph, steps, -1), BAD(grid_open, morph, beyond, 2), BAD(grid_close, morph, radius, -1),

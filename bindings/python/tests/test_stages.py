@@ -70,6 +70,23 @@ def test_fill_auto_takes_what_suits_and_says_why():
     assert (grid.report.fill, grid.report.fill_reason) == ("winding", "open")
 
 
+def test_walls_that_voxels_lose_are_in_the_report():
+    block, plate = box_mesh((0, 0, 0), (2, 2, 2)), box_mesh((2.5, 2.5, 3.06), (5, 5, 3.1))
+    both = np.concatenate([block[0], plate[0]]), np.concatenate([block[1], plate[1] + 8])
+    told = bitvox.voxelize(both, resolution=50).report
+    assert told.thin_checked is True and told.thin_voxels > 500 and abs(told.thin_wall - 0.04) < 0.002
+    assert told.thin_resolution in range(186, 191) and list(told.thin_low)[2] in (30, 31)
+    assert abs(told.volume - 8) < 1e-9 and abs(told.mesh_volume - 8.25) < 1e-6
+    assert bitvox.voxelize(both, resolution=50, check_thin="never").report.thin_checked is False
+    whole = bitvox.voxelize(block, resolution=20, check_thin="always").report
+    assert (whole.thin_checked, whole.thin_voxels, whole.thin_resolution) == (True, 0, 0)
+    with pytest.raises(bitvox.ArgumentError, match="check_thin is 'often'"):
+        bitvox.voxelize(both, check_thin="often")
+    with pytest.raises(bitvox.ArgumentError, match="check_thin is for mode 'solid'"):
+        bitvox.voxelize(both, mode="thin", check_thin="always")
+
+
+
 def test_fill_below():
     v = np.array([[0.0, 0, 2], [8, 0, 2], [8, 8, 2], [0, 8, 2]])
     sheet = (v, [[0, 1, 2], [0, 2, 3]])

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 OPERATIONS = names_of("BVX_BOOLEAN_")
 MODES = ("solid", "conservative", "thin", "sampled")
+THIN_CHECKS = ("auto", "never", "always")  # -1, 0, 1
 SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
 
 
@@ -47,6 +48,7 @@ def voxelize(
     close_gaps: int | None = None,
     add_shell: bool = False,
     check_edges: bool = False,
+    check_thin: str | None = None,
     base: float | None = None,
     second: Any = None,
     up: str | None = None,
@@ -75,6 +77,9 @@ def voxelize(
         close_gaps: with fill "flood": gaps of up to so many voxels hold the flood.
         add_shell: set all voxels that the surface touches too.
         check_edges: count open and flipped edges in the report.
+        check_thin: look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_wall``, ``thin_low``, ``thin_high`` and
+            ``thin_resolution``: "auto" (the default: in whole lattices, where the surface crosses a fiftieth more lines of centres than
+            the voxels show), "always", "never". The report's ``volume`` and ``mesh_volume`` (0 where that says nothing) tell more.
         base, up, second: with fill "below": the height that columns stand on [world], the axis that is up ("x", "y" or "z"), a
             second terrain: what lies between the two.
         attached: surface modes: keep the triangles that touch each voxel in ``grid.attached``.
@@ -91,7 +96,7 @@ def voxelize(
     made = new_grid()
     if choice_of_mode(mode) != "solid":
         for name, value in {"fill": fill, "close_gaps": close_gaps, "add_shell": add_shell or None, "base": base,
-                            "check_edges": check_edges or None, "second": second, "up": up}.items():
+                            "check_edges": check_edges or None, "check_thin": check_thin, "second": second, "up": up}.items():
             if value is not None:
                 raise ArgumentError(f"{name} is for mode 'solid', not for {mode!r}")
         return _surface_voxels(source, where, window, choice_of_mode(mode), attached, made, threads, memory_limit, progress)
@@ -109,6 +114,10 @@ def voxelize(
             raise ArgumentError("close_gaps is for fill 'flood'")
         options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
     options.add_shell, options.check_edges = int(bool(add_shell)), int(bool(check_edges))
+    if check_thin is not None:
+        if check_thin not in THIN_CHECKS:
+            raise ArgumentError(f"check_thin is {check_thin!r}; it must be one of {', '.join(THIN_CHECKS)}")
+        options.check_thin = THIN_CHECKS.index(check_thin) - 1
     if base is not None:
         options.base = float(base)
     if up is not None:

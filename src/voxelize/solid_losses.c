@@ -1,0 +1,256 @@
+/* solid_losses.c - what a solid has lost of its mesh: thin walls, and how the volumes compare.
+ *
+ * Idea: a surface crosses as many lines of centres as the sum of its triangles' shadows says. A solid shows each crossing as a
+ * step from outside to inside, so steps that are missing by more than chance can be walls without a centre inside. That costs
+ * a sum; only where they are missing, or where asked, thin_walls.c looks for the places.
+ * Guarantee: sums are taken in pieces of the mesh's shape alone, so threads do not show. */
+#include "mesh/view.h"
+#include "voxelize/fills.h"
+#include "voxelize/thin_walls.h"
+
+#include <math.h>
+
+enum { LOSS_GRAIN = 4096 };
+
+#define LOSS_SHARE 0.02  /* of the crossings, that may be missing ... */
+#define LOSS_CHANCE 1.5  /* ... and these times the root of them: flat faces between two planes of centres */
+
+#define LOSS_SHEET 1e-6  /* of the volume of a cube of that surface: folded sheets enclose less */
+
+/* Sums over some triangles: six times the volume, twice the shadows along each axis. */
+typedef struct loss_sums {
+    double volume, shadow[3];
+} loss_sums;
+
+typedef struct loss_job {
+    const bvx_mesh_view *mesh;
+    double from[3]; /* a vertex: volumes are taken from there */
+    int32_t pieces;
+    loss_sums sums[256]; /* by piece */
+} loss_job;
+
+/* ---- Of the mesh ---- */
+
+static inline void add_to_sums(const double from[3], double p[3][3], loss_sums *s)
+{
+    double u[3], v[3], n[3];
+
+    for (int a = 0; a < 3; a++) {
+        u[a] = p[1][a] - p[0][a];
+        v[a] = p[2][a] - p[0][a];
+    }
+    n[0] = u[1] * v[2] - u[2] * v[1];
+    n[1] = u[2] * v[0] - u[0] * v[2];
+    n[2] = u[0] * v[1] - u[1] * v[0];
+    for (int a = 0; a < 3; a++) {
+        s->volume += (p[0][a] - from[a]) * n[a];
+        s->shadow[a] += bvxi_absolute(n[a]);
+    }
+}
+
+/* Triangles of three numbers each and vertices of three floats, as meshes that the library made. */
+static void sum_packed_losses(const loss_job *job, uint64_t begin, uint64_t end, loss_sums *s)
+{
+    const unsigned char *const corners = job->mesh->indices, *const places = job->mesh->positions;
+
+    for (uint64_t t = begin; t < end; t++) {
+        float f[3];
+        double p[3][3];
+        uint32_t c[3];
+
+        memcpy(c, corners + (size_t)t * 12, sizeof c);
+        for (int k = 0; k < 3; k++) {
+            memcpy(f, places + (size_t)c[k] * 12, sizeof f);
+            for (int a = 0; a < 3; a++) p[k][a] = (double)f[a];
+        }
+        add_to_sums(job->from, p, s);
+    }
+}
+
+static void sum_losses_piece(void *user, int32_t piece, int32_t worker)
+{
+    loss_job *const job = user;
+    const bvx_mesh_view *const m = job->mesh;
+    loss_sums s = {0, {0, 0, 0}};
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(m->triangle_count, job->pieces, piece, &begin, &end);
+    if (bvxi_view_packed_u32(m) && bvxi_view_packed_f32(m)) {
+        sum_packed_losses(job, begin, end, &s);
+        begin = end;
+    }
+    for (uint64_t t = begin; t < end; t++) {
+        double p[3][3];
+        uint32_t c[3];
+
+        bvxi_view_triangle(m, t, c);
+        for (int k = 0; k < 3; k++) bvxi_view_position(m, c[k], p[k]);
+        add_to_sums(job->from, p, &s);
+    }
+    job->sums[piece] = s;
+}
+
+static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, loss_sums *all)
+{
+    loss_job job;
+    uint32_t c[3];
+
+    job.mesh = mesh;
+    job.pieces = bvxi_piece_count(mesh->triangle_count, LOSS_GRAIN);
+    bvxi_view_triangle(mesh, 0, c);
+    bvxi_view_position(mesh, c[0], job.from);
+    BVXI_TRY(bvxi_parallel(ctx, "sums", 0.0, 0.1, job.pieces, sum_losses_piece, &job));
+    memset(all, 0, sizeof *all);
+    for (int32_t i = 0; i < job.pieces; i++) {
+        all->volume += job.sums[i].volume;
+        for (int a = 0; a < 3; a++) all->shadow[a] += job.sums[i].shadow[a];
+    }
+    return BVX_OK;
+}
+
+/* Do all vertices lie in the grid's window? */
+static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
+{
+    double low[3], high[3];
+
+    for (int a = 0; a < 3; a++) {
+        low[a] = g->lattice.origin[a] + (double)g->low[a] * g->lattice.spacing[a];
+        high[a] = low[a] + ((double)g->size[a] + 1e-6) * g->lattice.spacing[a];
+        low[a] -= 1e-6 * g->lattice.spacing[a];
+    }
+    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+        double p[3];
+        int in = 1;
+
+        bvxi_view_position(mesh, v, p);
+        for (int a = 0; a < 3; a++) in &= (p[a] >= low[a]) & (p[a] <= high[a]);
+        if (!in) return 0;
+    }
+    return 1;
+}
+
+/* What the mesh encloses; 0 where the solid does not hold all of it, or next to nothing is enclosed. */
+static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh, const bvx_grid *solid)
+{
+    double const volume = bvxi_absolute(sums->volume) / 6.0, area = sums->shadow[0] + sums->shadow[1] + sums->shadow[2];
+
+    if (!(volume > LOSS_SHEET * area * sqrt(area)) || !(volume < 1e300)) return 0;
+    return is_in_window(mesh, solid) ? volume : 0;
+}
+
+/* ---- Of the solid ---- */
+
+/* Steps between outside and inside along x of a row. */
+static uint64_t steps_of_row(const uint64_t *row, int32_t words)
+{
+    uint64_t steps = 0, last = 0;
+
+    for (int32_t k = 0; k < words; k++) {
+        steps += bvxi_popcount(row[k] ^ (row[k] << 1 | last));
+        last = row[k] >> 63;
+    }
+    return steps + last;
+}
+
+/* Steps between two rows, or of one against the outside (NULL). */
+static uint64_t steps_between(const uint64_t *row, const uint64_t *other, int32_t words)
+{
+    uint64_t steps = 0;
+
+    for (int32_t k = 0; k < words; k++) steps += bvxi_popcount(other != NULL ? row[k] ^ other[k] : row[k]);
+    return steps;
+}
+
+/* Steps along each axis; what lies beyond the window counts as outside. */
+static void count_steps(const bvx_grid *g, uint64_t steps[3])
+{
+    int32_t const words = g->words_per_row;
+    size_t const slice = (size_t)words * (size_t)g->size[1];
+
+    steps[0] = steps[1] = steps[2] = 0;
+    for (int32_t z = 0; z < g->size[2]; z++)
+        for (int32_t y = 0; y < g->size[1]; y++) {
+            const uint64_t *const row = g->words + (size_t)z * slice + (size_t)y * (size_t)words;
+
+            steps[0] += steps_of_row(row, words);
+            steps[1] += steps_between(row, y > 0 ? row - words : NULL, words);
+            steps[2] += steps_between(row, z > 0 ? row - slice : NULL, words);
+            if (y + 1 == g->size[1]) steps[1] += steps_between(row, NULL, words);
+            if (z + 1 == g->size[2]) steps[2] += steps_between(row, NULL, words);
+        }
+}
+
+/* Are crossings missing along some axis, by more than chance? */
+static int are_steps_missing(const loss_sums *sums, const bvx_grid *solid)
+{
+    const double *const d = solid->lattice.spacing;
+    uint64_t steps[3];
+
+    count_steps(solid, steps);
+    for (int a = 0; a < 3; a++) {
+        double const lines = 0.5 * sums->shadow[a] / (d[(a + 1) % 3] * d[(a + 2) % 3]);
+
+        if (lines - (double)steps[a] > LOSS_SHARE * lines + LOSS_CHANCE * sqrt(lines)) return 1;
+    }
+    return 0;
+}
+
+/* ---- */
+
+static bvx_status look_for_walls(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                                 bvx_solid_report *report)
+{
+    int32_t longest = 0;
+    bvxi_wall_report found;
+    bvxi_walls walls;
+    bvx_status status;
+
+    memset(&walls, 0, sizeof walls);
+    memset(&found, 0, sizeof found);
+    walls.ctx = ctx;
+    walls.function = function;
+    walls.mesh = mesh;
+    walls.solid = solid;
+    walls.unoriented = report->turned != 0 || report->fill_reason == BVX_FILL_REASON_UNORIENTABLE || report->fill == BVX_FILL_VOTE;
+    walls.open = report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0;
+    status = bvxi_walls_open(&walls);
+    if (status == BVX_OK) status = bvxi_walls_find(&walls);
+    if (status == BVX_OK) bvxi_walls_report(&walls, &found);
+    bvxi_walls_close(&walls);
+    BVXI_TRY(status);
+
+    report->thin_checked = 1;
+    report->thin_voxels = found.voxels;
+    if (found.voxels == 0) return BVX_OK;
+    report->thin_wall = found.wall * walls.unit;
+    for (int a = 0; a < 3; a++) {
+        report->thin_low[a] = found.low[a] + solid->low[a];
+        report->thin_high[a] = found.high[a] + solid->low[a];
+        if (solid->lattice.dims[a] > longest) longest = solid->lattice.dims[a];
+    }
+    report->thin_resolution = bvxi_wall_resolution(longest, found.wall);
+    return BVX_OK;
+}
+
+bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                             const bvx_voxelize_options *o, bvx_solid_report *report)
+{
+    const bvx_lattice *const l = &solid->lattice;
+    int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] && solid->size[2] == l->dims[2];
+    int look = o->check_thin == 1;
+    loss_sums sums;
+    uint64_t voxels;
+
+    BVXI_TRY(bvx_grid_count(ctx, solid, &voxels));
+    report->volume = (double)voxels * l->spacing[0] * l->spacing[1] * l->spacing[2];
+    if (report->fill == BVX_FILL_BELOW) return BVX_OK;
+
+    if (o->check_thin == -1 || report->fill_reason == BVX_FILL_REASON_SOUND) {
+        BVXI_TRY(sum_mesh(ctx, mesh, &sums));
+        if (report->fill_reason == BVX_FILL_REASON_SOUND && !o->add_shell && report->turned == 0)
+            report->mesh_volume = comparable_volume(&sums, mesh, solid);
+        look |= o->check_thin == -1 && whole && !o->add_shell && are_steps_missing(&sums, solid);
+    }
+    return look ? BVXI_SHARE(ctx, 0.1, 1.0, look_for_walls(ctx, function, mesh, solid, report)) : BVX_OK;
+}

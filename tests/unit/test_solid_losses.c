@@ -1,0 +1,228 @@
+/* test_solid_losses.c - what a solid says of walls that its voxels lose, and of its volume. */
+#include "solid_support.h"
+
+#include <math.h>
+
+static bvx_solid_report report;
+static bvx_lattice lattice;
+
+/* The mesh's voxels at a resolution, with the report; check: check_thin. */
+static uint64_t voxels_at(bvx_context *c, int32_t resolution, int32_t check)
+{
+    bvx_mesh_view const view = maker_view(&mesh);
+    bvx_voxelize_options o;
+    bvx_grid g = {0};
+    uint64_t n;
+
+    bvx_voxelize_options_init(&o, sizeof o);
+    TEST_ASSERT_EQUAL_INT32(-1, o.check_thin);
+    o.check_thin = check;
+    o.report = &report;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(c, &view, resolution, &lattice));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_voxelize_solid(c, &view, &lattice, &o, &g), bvx_last_message(c));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(c, &g, &n));
+    bvx_grid_free(c, &g);
+    return n;
+}
+
+static void make_ball(double radius)
+{
+    double const centre[3] = {0, 0, 0}, r[3] = {radius, radius, radius};
+
+    seed = 1;
+    maker_star(&mesh, &seed, centre, r, 0, 48, 72, 65536);
+}
+
+/* A ball of radius 1 with a cavity, its wall thick. [Units: voxels at a resolution] */
+static void make_shell(double voxels, int32_t resolution)
+{
+    size_t outer;
+
+    maker_clear(&mesh);
+    make_ball(1.0);
+    outer = mesh.triangles;
+    make_ball(1.0 - voxels * 2.0 / resolution);
+    maker_flip(&mesh, outer, mesh.triangles);
+}
+
+static void make_box(double x, double y, double z)
+{
+    double const low[3] = {0, 0, 0}, high[3] = {x, y, z};
+
+    maker_box(&mesh, low, high);
+}
+
+/* A block with a plate across axis beside it, so that the lattice is not the plate's. */
+static void make_block_and_plate(int32_t axis, double thick)
+{
+    double low[3] = {2.5, 2.5, 2.5}, high[3] = {5, 5, 5};
+
+    maker_clear(&mesh);
+    make_box(2, 2, 2);
+    low[axis] = 3.06;
+    high[axis] = 3.06 + thick;
+    maker_box(&mesh, low, high);
+}
+
+static void test_shells_of_thin_walls_are_told(void)
+{
+    static const double walls[] = {0.3, 0.5, 0.9};
+
+    for (size_t w = 0; w < sizeof walls / sizeof walls[0]; w++) {
+        make_shell(walls[w], 48);
+        voxels_at(ctx, 48, w < 2 ? -1 : 1); /* of the thickest it loses less than a fiftieth */
+        TEST_ASSERT_EQUAL_INT32(1, report.thin_checked);
+        TEST_ASSERT_TRUE(report.thin_voxels > 100);
+        TEST_ASSERT_TRUE(fabs(report.thin_wall / (walls[w] * 2.0 / 48) - 1.0) < 0.2);
+        TEST_ASSERT_TRUE(fabs(report.thin_resolution / (48 * 1.5 / walls[w]) - 1.0) < 0.3);
+    }
+    make_shell(1.6, 48);
+    voxels_at(ctx, 48, 1);
+    TEST_ASSERT_EQUAL_INT32(1, report.thin_checked);
+    TEST_ASSERT_EQUAL_UINT64(0, report.thin_voxels);
+    TEST_ASSERT_TRUE(report.thin_wall == 0 && report.thin_resolution == 0);
+}
+
+static void test_plates_across_any_axis_are_told_with_their_place(void)
+{
+    for (int32_t axis = 0; axis < 3; axis++) {
+        make_block_and_plate(axis, 0.04);
+        TEST_ASSERT_TRUE(voxels_at(ctx, 50, -1) == 20 * 20 * 20); /* voxels of a tenth: the plate has none */
+        TEST_ASSERT_TRUE(report.thin_checked == 1 && report.thin_voxels >= 25 * 25 - 2 * 25);
+        TEST_ASSERT_TRUE(fabs(report.thin_wall - 0.04) < 0.002);
+        for (int32_t a = 0; a < 3; a++) {
+            int32_t const low = a == axis ? 30 : 25, high = a == axis ? 31 : 49;
+
+            TEST_ASSERT_TRUE(report.thin_low[a] >= low - 1 && report.thin_low[a] <= low + 1);
+            TEST_ASSERT_TRUE(report.thin_high[a] >= high - 1 && report.thin_high[a] <= high);
+        }
+        TEST_ASSERT_INT32_WITHIN(2, 188, report.thin_resolution);
+
+        voxels_at(ctx, report.thin_resolution, 1);
+        TEST_ASSERT_EQUAL_UINT64(0, report.thin_voxels);
+        voxels_at(ctx, 50, 0);
+        TEST_ASSERT_TRUE(report.thin_checked == 0 && report.thin_voxels == 0);
+    }
+}
+
+static void test_thick_bodies_lose_nothing_and_keep_their_volume(void)
+{
+    maker_clear(&mesh);
+    make_ball(1.0);
+    voxels_at(ctx, 48, -1);
+    TEST_ASSERT_TRUE(report.thin_checked == 0 && report.thin_voxels == 0);
+    TEST_ASSERT_TRUE(report.mesh_volume > 3.8 && report.mesh_volume < 4.0);
+    TEST_ASSERT_TRUE(fabs(report.volume / report.mesh_volume - 1.0) < 0.01);
+    voxels_at(ctx, 48, 1);
+    TEST_ASSERT_TRUE(report.thin_checked == 1 && report.thin_voxels == 0);
+
+    maker_clear(&mesh);
+    make_box(3, 2, 1);
+    TEST_ASSERT_EQUAL_UINT64(30 * 20 * 10, voxels_at(ctx, 30, 1));
+    TEST_ASSERT_TRUE(fabs(report.volume - 6.0) < 1e-9 && fabs(report.mesh_volume - 6.0) < 1e-9);
+    TEST_ASSERT_EQUAL_UINT64(0, report.thin_voxels);
+}
+
+/* Where the volumes say nothing of what was lost there is no volume to compare. */
+static void test_volumes_are_compared_where_they_can_be(void)
+{
+    bvx_mesh_view view;
+    bvx_voxelize_options o;
+    bvx_window const part = {{0, 0, 0}, {30, 20, 9}};
+    bvx_grid g = {0};
+
+    maker_clear(&mesh);
+    make_box(3, 2, 1);
+    view = maker_view(&mesh);
+    voxels_at(ctx, 30, 1);
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.report = &report;
+    o.window = part;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g));
+    TEST_ASSERT_TRUE(report.mesh_volume == 0 && fabs(report.volume - 5.4) < 1e-9 && report.thin_checked == 0);
+    bvx_grid_free(ctx, &g);
+
+    memset(&o.window, 0, sizeof o.window);
+    o.add_shell = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g));
+    TEST_ASSERT_TRUE(report.mesh_volume == 0 && report.volume > 5.999);
+    bvx_grid_free(ctx, &g);
+
+    o.add_shell = 0;
+    o.fill = BVX_FILL_VOTE;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g));
+    TEST_ASSERT_TRUE(report.mesh_volume == 0 && fabs(report.volume - 6.0) < 1e-9);
+    bvx_grid_free(ctx, &g);
+
+    maker_remove(&mesh, 3); /* open */
+    voxels_at(ctx, 30, 1);
+    TEST_ASSERT_TRUE(report.mesh_volume == 0 && report.volume > 5.0);
+}
+
+/* Also in a window, and whatever unused vertices are; threads, the fast code and the order of triangles do not show. */
+static void test_what_is_told_depends_on_mesh_and_lattice(void)
+{
+    bvx_context *const threads = context_with(3, BVX_CPU_BEST), *const portable = context_with(1, BVX_CPU_PORTABLE);
+    bvx_solid_report first;
+    bvx_window const part = {{20, 20, 20}, {30, 30, 11}};
+    bvx_voxelize_options o;
+    bvx_mesh_view view;
+    bvx_grid g = {0};
+
+    make_block_and_plate(2, 0.04);
+    voxels_at(ctx, 50, 1);
+    first = report;
+    voxels_at(threads, 50, 1);
+    TEST_ASSERT_EQUAL_MEMORY(&first, &report, sizeof report);
+    voxels_at(portable, 50, 1);
+    TEST_ASSERT_EQUAL_MEMORY(&first, &report, sizeof report);
+
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.report = &report;
+    o.check_thin = 1;
+    o.window = part;
+    maker_shuffle_triangles(&mesh, &seed);
+    maker_vertex(&mesh, (double)NAN, 0, (double)INFINITY);
+    view = maker_view(&mesh);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_UINT64(first.thin_voxels, report.thin_voxels);
+    TEST_ASSERT_TRUE(first.thin_wall == report.thin_wall && first.thin_resolution == report.thin_resolution);
+    TEST_ASSERT_EQUAL_MEMORY(first.thin_low, report.thin_low, sizeof first.thin_low);
+    TEST_ASSERT_EQUAL_MEMORY(first.thin_high, report.thin_high, sizeof first.thin_high);
+    bvx_grid_free(ctx, &g);
+    bvx_context_destroy(portable);
+    bvx_context_destroy(threads);
+}
+
+static void test_walls_are_not_looked_for_below_a_terrain(void)
+{
+    bvx_voxelize_options o;
+    bvx_mesh_view view;
+    bvx_grid g = {0};
+
+    maker_clear(&mesh);
+    make_box(3, 2, 1);
+    voxels_at(ctx, 30, 0);
+    view = maker_view(&mesh);
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.fill = BVX_FILL_BELOW;
+    o.report = &report;
+    o.check_thin = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g));
+    o.check_thin = -1;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g));
+    TEST_ASSERT_TRUE(report.thin_checked == 0 && report.mesh_volume == 0 && report.volume > 5.9);
+    bvx_grid_free(ctx, &g);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_shells_of_thin_walls_are_told);
+    RUN_TEST(test_plates_across_any_axis_are_told_with_their_place);
+    RUN_TEST(test_thick_bodies_lose_nothing_and_keep_their_volume);
+    RUN_TEST(test_volumes_are_compared_where_they_can_be);
+    RUN_TEST(test_what_is_told_depends_on_mesh_and_lattice);
+    RUN_TEST(test_walls_are_not_looked_for_below_a_terrain);
+    return UNITY_END();
+}
