@@ -61,7 +61,9 @@ static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box
     }
 }
 
-/* of: an input among several, or "". */
+/* Fewer voxels than this are no wall, as for repair: where a surface is rough at the size of a voxel some always show. */
+enum { LEAST_WALL = 8 };
+
 void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice, const bvx_solid_report *r)
 {
     char advice[80] = "";
@@ -69,7 +71,7 @@ void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice
 
     thin_box(lattice, r, box);
     if (r->thin_resolution > 0) snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them", (int)r->thin_resolution);
-    if (r->thin_voxels != 0)
+    if (r->thin_voxels >= LEAST_WALL)
         cli_warn(run, "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
                       " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s", of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5],
                  advice, run->command->bit == CLI_VOXELIZE ? "; --add-shell sets the surface's voxels too" : "");

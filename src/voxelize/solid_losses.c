@@ -135,8 +135,8 @@ static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh
 {
     double const volume = bvxi_absolute(sums->volume) / 6.0, area = sums->shadow[0] + sums->shadow[1] + sums->shadow[2];
 
-    if (!(volume > LOSS_SHEET * area * sqrt(area)) || !(volume < 1e300)) return 0;
-    return is_in_window(mesh, solid) ? volume : 0;
+    if (!(volume > LOSS_SHEET * area * sqrt(area)) || !(volume < 1e38)) return 0;
+    return is_in_window(mesh, solid) ? bvxi_nearest_float(volume) : 0; /* sums' last bits follow the order of triangles */
 }
 
 /* ---- Of the solid ---- */
@@ -198,6 +198,13 @@ static int are_steps_missing(const loss_sums *sums, const bvx_grid *solid)
 
 /* ---- */
 
+/* Is it known that the triangles run the same way round? Rules that do not ask for it say nothing of it when asked for by name. */
+static int is_oriented(const bvx_solid_report *r)
+{
+    if (r->turned != 0) return 0;
+    return r->fill == BVX_FILL_NONZERO || r->fill == BVX_FILL_WINDING || (r->fill == BVX_FILL_PARITY && r->fill_reason != BVX_FILL_REASON_ASKED);
+}
+
 static bvx_status look_for_walls(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
                                  bvx_solid_report *report)
 {
@@ -212,8 +219,8 @@ static bvx_status look_for_walls(bvx_context *ctx, const char *function, const b
     walls.function = function;
     walls.mesh = mesh;
     walls.solid = solid;
-    walls.unoriented = report->turned != 0 || report->fill_reason == BVX_FILL_REASON_UNORIENTABLE || report->fill == BVX_FILL_VOTE;
-    walls.open = report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0;
+    walls.unoriented = !is_oriented(report);
+    if (report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0) walls.open = walls.unoriented ? 2 : 1;
     status = bvxi_walls_open(&walls);
     if (status == BVX_OK) status = bvxi_walls_find(&walls);
     if (status == BVX_OK) bvxi_walls_report(&walls, &found);

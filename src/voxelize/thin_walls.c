@@ -337,7 +337,7 @@ static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
     bvxi_view_triangle(&t->near, triangle, c);
     for (int k = 0; k < 3; k++) bvxi_view_position(&t->near, c[k], p[k]);
     length = bvxi_facet_normal((const double(*)[3])p, n);
-    if (t->against[triangle]) length = -length;
+    if (t->against[triangle] && (!t->unoriented || t->open == 1)) length = -length; /* else the corners' places decide */
     for (int a = 0; a < 3; a++) n[a] /= length;
 }
 
@@ -374,7 +374,7 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     double behind[3], m[3], facing, through, apart = 0, deep = 0;
 
     for (int a = 0; a < 3; a++) behind[a] = front->position[a] - out[a] * WALL_DEPTH * t->unit;
-    if (t->open && wall_dot(out, n) < 0) return; /* a face seen from behind, through a hole */
+    if (t->open == 1 && wall_dot(out, n) < 0) return; /* a face seen from behind, through a hole */
     bvxi_closest_ask(&t->closest, behind, hint, &back);
     unit_normal(t, back.triangle, m);
     for (int a = 0; a < 3; a++) {

@@ -23,7 +23,7 @@ typedef struct bvxi_walls {
     const bvx_mesh_view *mesh; /* of the body */
     const bvx_grid *solid;     /* what it fills; may change between calls */
     int32_t unoriented;       /* 1: normals may look to either side */
-    int32_t open;             /* 1: there are holes: faces may be seen from behind, and sheets are no walls */
+    int32_t open;             /* 1: there are holes: faces may be seen from behind, and sheets are no walls; 2: sheets are none */
     double unit;              /* the largest spacing */
 
     double limit;             /* walls further from the centre than this are not looked at [Units: largest spacings] */
