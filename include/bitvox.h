@@ -638,7 +638,7 @@ typedef struct bvx_solid_report {
                                    equals, facing either way, or without area: left out */
     double volume;            /**< of the voxels set [Units: world] */
     double mesh_volume;       /**< that the mesh encloses; 0 where that is not to be compared: but for BVX_FILL_REASON_SOUND, and where
-                                   it leaves the window or a shell was added; a float's digits [Units: world] */
+                                   it leaves the window or a shell was added, rounded to a float [Units: world] */
     int32_t thin_checked;     /**< 1: walls that the voxels lose were looked for (check_thin) */
     int32_t thin_resolution;  /**< the resolution at which a wall of thin_wall is 1.5 voxels; 0: none, or none needed */
     uint64_t thin_voxels;     /**< voxels at walls thinner than 1.5 voxels that the voxels set do not show, or show with gaps */
