@@ -61,7 +61,8 @@ void bvxi_box_tree_set(bvxi_box_tree *tree, const bvxi_corners *mesh);
 static inline int16_t bvxi_box_step(const bvxi_box_tree *tree, double position, int axis)
 {
     double const x = (position - tree->low[axis]) * tree->scale;
-    return (int16_t)(x <= 0 ? 0 : x >= BVXI_BOX_HIGHEST ? BVXI_BOX_HIGHEST : (int32_t)x);
+    double const above = x > 0 ? x : 0;
+    return (int16_t)(int32_t)(above < BVXI_BOX_HIGHEST ? above : BVXI_BOX_HIGHEST);
 }
 
 /* A position in whole steps, as a box that is one point. */
@@ -190,8 +191,7 @@ static inline bvxi_box_facing bvxi_box_facing_of(const double n[3], double reach
 
     if (!(largest > BVXI_FACING_SINE * reach && largest > BVXI_FACING_LEAST)) return f;
     scale = 127 / largest;
-    for (int a = 0; a < 3; a++)
-        f.low[a] = f.high[a] = (int8_t)(int32_t)(n[a] * scale + (n[a] < 0 ? -0.5 : 0.5));
+    for (int a = 0; a < 3; a++) f.low[a] = f.high[a] = (int8_t)((int32_t)(n[a] * scale + 127.5) - 127);
     return f;
 }
 

@@ -454,8 +454,8 @@ static int triangles_are_apart(const double *const p[3], const double *const q[3
            edges_part((const double(*)[3])t, (const double(*)[3])s, size);
 }
 
-/* The new triangles' boxes, also eight to a node; returns the box of all. Rounding keeps order, so corners
- * are rounded once for all of their triangles. */
+/* The new triangles' boxes; returns the box of all. Rounding keeps order, so corners are rounded once for all of
+ * their triangles. */
 static bvxi_box gather_boxes(const bvxi_corners *m, const bvxi_box_tree *tree, bvxi_star *star)
 {
     bvxi_box const apex = bvxi_box_at(tree, star->p);
@@ -474,12 +474,19 @@ static bvxi_box gather_boxes(const bvxi_corners *m, const bvxi_box_tree *tree, b
             bvxi_box_join(&star->box[i], &to);
         }
         bvxi_box_join(&all, &to);
-        bvxi_box_put(&star->node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH, &star->box[i]);
         from = to;
     }
-    for (int32_t i = star->count; i % BVXI_BOX_WIDTH != 0; i++)
-        bvxi_box_put(&star->node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH, &none);
     return all;
+}
+
+/* The boxes again, eight to a node. */
+static void gather_nodes(bvxi_star *star)
+{
+    bvxi_box const none = bvxi_box_none();
+
+    for (int32_t i = 0; i < star->count || i % BVXI_BOX_WIDTH != 0; i++)
+        bvxi_box_put(&star->node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH,
+                     i < star->count ? &star->box[i] : &none);
 }
 
 /* Bit k: link vertex first + k is one of a triangle's three; first is a multiple of four. */
@@ -639,6 +646,7 @@ static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bv
     found_triangles found;
     int32_t depth = 0;
 
+    gather_nodes(star);
     gather_star_planes(m, star);
 
     /* What is looked at next is asked of memory before it is needed: waiting for it is most of the time. */
