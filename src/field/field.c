@@ -70,7 +70,8 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
 {
     if (field == NULL) return bvxi_fail_null(ctx, function, "field");
     for (uint64_t i = 0; i < 4; i++)
-        if (field->reserved[i] != 0) return bvxi_fail_reserved(ctx, function, "field.");
+        if (field->reserved[i] != 0)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: field.reserved[%u] must be 0", function, i);
     if (field->row_values == NULL || field->distances == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field is empty: it has no %s", function,
                          field->row_values == NULL ? "row_values" : "distances");

@@ -48,7 +48,8 @@ static bvx_status check_measure_choices(bvx_context *ctx, const bvx_field_option
     if ((o->features & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: features is %d, not 0 or 1", measure_name, (int64_t)o->features);
     for (uint64_t i = 0; i < 2; i++)
-        if (o->reserved[i] != 0) return bvxi_fail_reserved(ctx, measure_name, "");
+        if (o->reserved[i] != 0)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: reserved[%u] must be 0", measure_name, i);
     return BVX_OK;
 }
 

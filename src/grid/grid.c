@@ -78,7 +78,8 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
     if (grid == NULL) return bvxi_fail_null(ctx, function, "grid");
     if (grid->words == NULL) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has no words", function);
     for (uint64_t i = 0; i < 4; i++)
-        if (grid->reserved[i] != 0) return bvxi_fail_reserved(ctx, function, "grid.");
+        if (grid->reserved[i] != 0)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: grid.reserved[%u] must be 0", function, i);
     BVXI_TRY(bvxi_lattice_check(ctx, function, &grid->lattice));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);

@@ -26,7 +26,8 @@ bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_v
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: sample type %d is unknown", function, (int64_t)volume->sample_type);
     if (volume->reserved0 != 0) return bvxi_fail_reserved(ctx, function, "volume.");
     for (uint64_t i = 0; i < 4; i++)
-        if (volume->reserved[i] != 0) return bvxi_fail_reserved(ctx, function, "volume.");
+        if (volume->reserved[i] != 0)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: volume.reserved[%u] must be 0", function, i);
     BVXI_TRY(bvxi_lattice_check(ctx, function, &volume->lattice));
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);

@@ -110,7 +110,8 @@ void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view)
 bvx_status bvxi_mesh_check_reserved(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
     for (uint64_t i = 0; i < 4; i++)
-        if (mesh->reserved[i] != 0) return bvxi_fail_reserved(ctx, function, "mesh.");
+        if (mesh->reserved[i] != 0)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: mesh.reserved[%u] must be 0", function, i);
     return BVX_OK;
 }
 

@@ -34,7 +34,8 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
     if (given == NULL) return bvxi_fail_null(ctx, function, "sections");
     if (given->reserved != 0) return bvxi_fail_reserved(ctx, function, "sections.");
     for (uint64_t i = 0; i < 4; i++)
-        if (given->reserved2[i] != 0) return bvxi_fail_reserved(ctx, function, "sections.");
+        if (given->reserved2[i] != 0)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: sections.reserved2[%u] must be 0", function, i);
     if (given->point_count > INT32_MAX || given->loop_count > INT32_MAX || given->section_count > INT32_MAX)
         return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %u points, %u loops and %u sections; limits are 2^31", function, given->point_count,
                          given->loop_count, given->section_count);

@@ -65,7 +65,8 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
 {
     int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) || o->sharp;
     for (uint64_t i = 0; i < 4; i++)
-        if (f->reserved[i] != 0) return bvxi_fail_reserved(ctx, function, "field.");
+        if (f->reserved[i] != 0)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: field.reserved[%u] must be 0", function, i);
     if (f->sign == BVX_SIGN_NONE || f->inside.words == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no inside; measure it with a sign", function);
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));

@@ -686,7 +686,7 @@ static void test_bad_options_are_refused(void)
     } bad[] = {
         {offsetof(bvx_sections_options, layers), 0, "layers is 0"},       {offsetof(bvx_sections_options, layers), 65, "layers is 65"},
         {offsetof(bvx_sections_options, caps), 3, "caps is 3"},           {offsetof(bvx_sections_options, crossings), -1, "crossings is -1"},
-        {offsetof(bvx_sections_options, depth), 9, "depth is 9"},         {offsetof(bvx_sections_options, position_type), 0, "position_type is 0"},
+        {offsetof(bvx_sections_options, depth), 9, "depth is 9"},         {offsetof(bvx_sections_options, position_type), 3, "position type 3"},
         {offsetof(bvx_sections_options, grid), 1, "grid[0] is 1"},        {offsetof(bvx_sections_options, grid), 8193, "grid[0] is 8193"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
