@@ -2424,7 +2424,8 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  *
  * A mesh that is closed, manifold and oriented and has no triangle without area is simplified as it is, where its levels do not cross
  * themselves; of any other mesh the surface is measured first as bvx_repair does: holes get lids, overlapping parts become one, sheets become
- * shells. Then edges collapse, each level from the one before, as in bvx_mesh_simplify, whose guarantee holds for every level. With open
+ * shells. Thin walls are kept as there, unless that makes handles that a closed mesh has not, fewer are there without, and the walls are
+ * a hundredth of the area at most (the report's thin_kept is 0 then). Then edges collapse, each level from the one before, as in bvx_mesh_simplify, whose guarantee holds for every level. With open
  * BVX_OPEN_KEEP or CUT a mesh that is not closed, manifold and oriented is simplified as it is too, with its borders, where
  * bvx_mesh_simplify can take it; certificates of such levels say that they are open.
  *

@@ -174,8 +174,9 @@ static void say_lod_head(cli_run *run, const cli_collapse_run *c)
     if (r->shelled)
         cli_say(run, "made into shells: %" PRIu64 " triangles that enclose nothing\n", r->shelled_triangles);
     if (r->thin_voxels != 0)
-        cli_say(run, "thin walls kept: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
-                r->thin_voxels, r->thin_components, r->thin_components == 1 ? "" : "s");
+        cli_say(run, "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
+                r->thin_kept ? "kept" : "left as the voxels have them, since keeping them would make handles", r->thin_voxels,
+                r->thin_components, r->thin_components == 1 ? "" : "s");
     if (l->report.crossings != 0)
         cli_say(run, "crossings: %" PRIu64 " pairs of the input's triangles\n", l->report.crossings);
     if (c->crumbs != 0)

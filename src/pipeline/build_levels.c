@@ -25,6 +25,8 @@ enum {
 
 /* A piece that the input has none for, and that is a smaller share of the volume than this, is a crumb. */
 #define CRUMB_SHARE 1e-3
+/* Walls are few whose keeping changes the area by at most this part. */
+#define FEW_WALLS 0.01
 
 static const char levels_name[] = "bvx_build_levels";
 
@@ -256,7 +258,7 @@ static bvx_status simplify_as_it_is(levels_job *job, const bvx_mesh_view *welded
     return bvxi_levels_make(job->ctx, &job->chain, welded);
 }
 
-static bvx_status repair_surface(levels_job *job, int32_t resolution, bvx_mesh *surface)
+static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t thin, bvx_mesh *surface)
 {
     const bvx_levels_options *const o = job->options;
     bvx_repair_options r;
@@ -271,9 +273,60 @@ static bvx_status repair_surface(levels_job *job, int32_t resolution, bvx_mesh *
     r.keep_crumbs = o->least_part != 0;
     r.least_cavity = o->outer ? UINT64_MAX : o->least_cavity;
     r.position_type = o->position_type;
-    if (o->report != NULL) r.report = &job->report.repair;
+    r.thin = thin;
+    r.report = &job->report.repair;
 
     return bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface);
+}
+
+static int64_t twice_the_handles(const bvx_certificate *c)
+{
+    return 2 * (int64_t)c->components - c->euler;
+}
+
+/* 1: thin walls were kept, and the surface has handles that the mesh has not. */
+static int has_new_handles(const levels_job *job)
+{
+    const bvx_certificate *const c = &job->report.before;
+
+    return job->report.repair.thin_kept && c->closed && c->edge_manifold && c->oriented &&
+           twice_the_handles(&job->report.repair.after) > twice_the_handles(c);
+}
+
+/* 1: the walls are hardly any of the surface, and made handles and nothing else. */
+static int is_better_without(const bvx_repair_report *with, const bvx_repair_report *without)
+{
+    const bvx_certificate *const a = &with->after, *const b = &without->after;
+
+    return b->components == a->components && twice_the_handles(b) < twice_the_handles(a) &&
+           bvxi_absolute(a->area - b->area) <= FEW_WALLS * a->area;
+}
+
+/* The surface with its thin walls. They may have grown together with what is beside them, and a handle costs a small level more than such
+ * walls are worth: without them it is measured once more where that may be so. */
+static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh *surface)
+{
+    bvx_repair_report *const report = &job->report.repair;
+    bvx_repair_report with;
+    bvx_mesh without = {0};
+    bvx_status status;
+
+    BVXI_TRY(repair_surface(job, resolution, BVX_THIN_KEEP, surface));
+    if (!has_new_handles(job)) return BVX_OK;
+
+    with = *report;
+    status = repair_surface(job, resolution, BVX_THIN_SHELL, &without);
+    if (status != BVX_OK && status != BVX_ERR_EMPTY) return status;
+    if (status == BVX_OK && is_better_without(&with, report)) {
+        bvx_mesh const kept = *surface;
+
+        *surface = without;
+        without = kept;
+    } else {
+        *report = with;
+    }
+    bvx_mesh_free(job->ctx, &without);
+    return BVX_OK;
 }
 
 /* Levels of the surface, which has the colours of the mesh where these have a weight. */
@@ -296,7 +349,7 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
 {
     bvx_mesh surface = {0};
     bvx_mesh_view view;
-    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.25, repair_surface(job, resolution, &surface));
+    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.25, measure_surface(job, resolution, &surface));
 
     job->report.crumbs = 0;
 

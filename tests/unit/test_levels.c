@@ -562,6 +562,77 @@ static void test_meshes_of_nothing(void)
     refuse(BVX_ERR_RANGE, &o, 2, "vertex 33 has y");
 }
 
+/* ---- Thin walls ---- */
+
+/* Spikes whose tips are thinner than a voxel, side by side on a ball: it has no handle. */
+static bvx_mesh_view spiky_ball(uint64_t number)
+{
+    static const double centre[3] = {8, 8, 8}, radius[3] = {4, 3, 3};
+    uint64_t own = number;
+
+    maker_clear(&mesh);
+    maker_star(&mesh, &own, centre, radius, 0.2, 24, 24, 1 << 20);
+    return maker_view(&mesh);
+}
+
+/* A level of the surface that repair makes: its distance, and what it was made from. */
+static double level_of_repaired(const bvx_mesh_view *view, int32_t thin, uint64_t target, bvx_repair_report *r)
+{
+    bvx_repair_options o;
+    bvx_simplify_options s;
+    bvx_mesh surface = {0}, small = {0};
+    bvx_mesh_view repaired;
+    bvx_distance_report d;
+
+    bvx_repair_options_init(&o, sizeof o);
+    o.resolution = 64;
+    o.thin = thin;
+    o.report = r;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_repair(ctx, view, &o, &surface));
+    bvx_mesh_view_of(&surface, &repaired);
+    bvx_simplify_options_init(&s, sizeof s);
+    s.target_triangles = &target;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &repaired, &s, 1, &small));
+    bvx_mesh_view_of(&small, &repaired);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, view, &repaired, 5000, 1, &d));
+    bvx_mesh_free(ctx, &small);
+    bvx_mesh_free(ctx, &surface);
+    return d.mean;
+}
+
+/* Where thin walls, once kept, make handles, and there are fewer without them, they are not kept; else they are. */
+static void test_thin_walls_do_not_make_handles(void)
+{
+    static const uint64_t number[6] = {16, 24, 32, 40, 48, 8}, target = 150;
+    int left = 0;
+
+    for (int i = 0; i < 6; i++) {
+        bvx_mesh_view const view = spiky_ball(number[i]);
+        bvx_repair_report kept, lost;
+        bvx_levels_options o;
+        int is_left;
+        double const with = level_of_repaired(&view, BVX_THIN_KEEP, target, &kept);
+
+        level_of_repaired(&view, BVX_THIN_SHELL, target, &lost);
+        TEST_ASSERT_TRUE(kept.thin_kept && kept.after.components == 1 && lost.after.components == 1);
+        drop_levels();
+        bvx_levels_options_init(&o, sizeof o);
+        o.resolution = 64;
+        o.target_triangles = &target;
+        o.measure_samples = 5000;
+        o.report = &found;
+        o.reports = report;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(ctx, &view, &o, 1, level));
+        snprintf(where, sizeof where, "ball %d: Euler number %d with thin walls, %d without, %d here, off by %.4f, %.4f with", (int)number[i],
+                 (int)kept.after.euler, (int)lost.after.euler, (int)report[0].certificate.euler, report[0].distance.mean, with);
+        left += is_left = kept.after.euler < lost.after.euler && kept.after.area - lost.after.area < 0.01 * kept.after.area;
+        TEST_ASSERT_EQUAL_INT_MESSAGE(!is_left, found.repair.thin_kept, where);
+        TEST_ASSERT_EQUAL_INT64_MESSAGE(is_left ? lost.after.euler : kept.after.euler, report[0].certificate.euler, where);
+        TEST_ASSERT_TRUE_MESSAGE(is_left ? report[0].distance.mean < 0.9 * with : report[0].distance.mean == with, where);
+    }
+    TEST_ASSERT_TRUE(left >= 3 && left < 6);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -582,5 +653,6 @@ int main(void)
     RUN_TEST(test_the_plan);
     RUN_TEST(test_contradictions);
     RUN_TEST(test_meshes_of_nothing);
+    RUN_TEST(test_thin_walls_do_not_make_handles);
     return UNITY_END();
 }
