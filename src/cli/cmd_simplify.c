@@ -80,6 +80,19 @@ static void say_head(cli_run *run, const cli_collapse_run *c)
             c->before.components == 1 ? "" : "s", c->before.volume, c->seconds * 1e3);
 }
 
+/* What the library mends of a mesh that is not oriented, or has triangles twice. */
+static void warn_of_input(cli_run *run, const cli_collapse_run *c)
+{
+    const char *const in = cli_input_name(run->options.input[0]);
+
+    if (c->before.duplicates != 0)
+        cli_warn(run, "%s: %" PRIu64 " triangle%s there twice: counted once", in, c->before.duplicates,
+                 c->before.duplicates == 1 ? " is" : "s are");
+    if (c->before.flipped_edges != 0)
+        cli_warn(run, "%s: at %" PRIu64 " edge%s neighbours faced opposite ways: the fewer triangles of each patch were turned", in,
+                 c->before.flipped_edges, c->before.flipped_edges == 1 ? "" : "s");
+}
+
 static int run_simplify(cli_run *run)
 {
     static cli_collapse_run c; /* the report points into it until the program ends */
@@ -96,6 +109,7 @@ static int run_simplify(cli_run *run)
     if (status == CLI_DONE) status = check_input(run, &c);
     if (status == CLI_DONE) status = simplify_input(run, &c);
     if (status == CLI_DONE) status = cli_finish_collapse(run, &c, say_head);
+    if (status == CLI_DONE) warn_of_input(run, &c);
     cli_free_collapse(run, &c);
     return status;
 }
