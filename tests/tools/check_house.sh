@@ -3,6 +3,7 @@
 # were made from; without it all is built first, as make is told to by its environment. Each check counts as one test.
 set -u
 : "${BUILD:=build}" "${CC:=cc}" "${MAKE_COMMAND:=make}"
+export BUILD CC
 objects=${1:-}
 if [ -z "$objects" ]; then
     "$MAKE_COMMAND" --no-print-directory all >/dev/null || exit 1
@@ -30,15 +31,6 @@ empty() { # FILE, WHAT ITS LINES ARE: the check holds when there are none
 }
 
 # ---- sources ----
-
-# The C example of the README is a whole program; it compiles and links as it stands there.
-readme_example() {
-    if [ ! -f README.md ]; then echo "there is no README.md" && exit 77; fi
-    awk '/^```c$/ { on = 1; next } /^```/ { if (on) exit } on' README.md >"$work/readme.c"
-    [ -s "$work/readme.c" ] || return 1
-    # shellcheck disable=SC2086
-    $CC -std=c99 -Wall -Wextra -Werror -Iinclude "$work/readme.c" "$BUILD/libbitvox.so" -lm -o "$work/readme"
-}
 
 as_one_unit() {
     for f in $core; do echo "#include \"$PWD/$f\""; done >"$work/unit.c"
@@ -248,7 +240,9 @@ fixtures_as_generated() {
 
 sh tests/tools/abi.sh quick >"$(log_of abi)" 2>&1
 add_script abi "$(log_of abi)" $?
-check 'README example' readme_example
+check 'links of the pages' sh tests/tools/check_docs.sh links
+check 'C examples of the pages' sh tests/tools/check_docs.sh programs
+check 'commands of the pages' sh tests/tools/check_docs.sh commands
 check 'all sources as one unit' as_one_unit
 check 'amalgamation' amalgamation
 check 'contracted products are refused' contraction_is_refused
