@@ -547,7 +547,7 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
 
         bvxi_view_position(o->view, o->index[i], p);
         for (int a = 0; a < 3; a++) c->mesh.at[i].p[a] = rounded(c, p[a]);
-        if (c->tint != NULL) memcpy(c->tint + 4 * i, o->view->colours + 4 * (size_t)o->index[i], 4);
+        if (c->mesh.tint != NULL) memcpy(c->mesh.tint + 4 * i, o->view->colours + 4 * (size_t)o->index[i], 4);
         o->rank[o->index[i]] = (uint32_t)i;
     }
     return order_triangles(c, o);
@@ -590,7 +590,7 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
                         &c->mesh.at);
     if (status == BVX_OK && c->options.colour_weight > 0 && mesh->colours != NULL)
-        status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' colours", &c->tint);
+        status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' colours", &c->mesh.tint);
     if (status == BVX_OK) status = take_mesh(c, &o);
     bvxi_free(c->ctx, block, bytes);
     return status;
@@ -693,10 +693,10 @@ static bvx_status start_quadrics(bvxi_collapse *c)
 
 static bvx_status start_colours(bvxi_collapse *c)
 {
-    if (c->tint == NULL) return BVX_OK;
+    if (c->mesh.tint == NULL) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->colour, "the quadrics of colours", &c->colour));
-    bvxi_colours_start(&c->mesh, c->tint, c->options.colour_weight, c->scale, c->colour);
+    bvxi_colours_start(&c->mesh, c->mesh.tint, c->options.colour_weight, c->scale, c->colour);
     return BVX_OK;
 }
 
@@ -784,7 +784,7 @@ void bvxi_collapse_close(bvxi_collapse *c)
     bvxi_free(c->ctx, c->mesh.facing, c->begun_vertices * sizeof *c->mesh.facing);
     bvxi_free(c->ctx, c->mesh.triangle, c->mesh.triangle_room * sizeof *c->mesh.triangle);
     bvxi_free(c->ctx, c->colour, c->mesh.vertex_room * sizeof *c->colour);
-    bvxi_free(c->ctx, c->tint, c->mesh.vertex_room * 4);
+    bvxi_free(c->ctx, c->mesh.tint, c->mesh.vertex_room * 4);
     bvxi_free(c->ctx, c->mesh.at, c->mesh.vertex_room * sizeof *c->mesh.at);
     bvxi_free(c->ctx, c, sizeof *c);
 }

@@ -22,7 +22,6 @@ struct bvxi_collapse {
     bvxi_corners mesh;
     bvxi_box_tree boxes;
     bvxi_queue queue;
-    uint8_t *tint;               /* colours of the vertices as they were opened, or NULL */
     bvxi_colour_quadric *colour; /* of each vertex, or NULL */
     uint32_t *version; /* of each vertex: grows when it moves */
     double scale;      /* quadrics measure lengths in units of 1 / scale, the mesh's size */

@@ -170,12 +170,24 @@ static bvx_status check_fans(bvx_context *ctx, const char *function, const bvxi_
 
 static bvx_status grow_vertices(bvx_context *ctx, bvxi_corners *m, uint64_t room)
 {
+    uint8_t *tint = NULL;
     bvxi_corner_vertex *larger;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the vertices of parts that touch", &larger));
+    if (m->tint != NULL) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 4, "the colours of parts that touch", &tint));
+        memcpy(tint, m->tint, (size_t)m->vertices * 4);
+    }
+    bvx_status const status = bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the vertices of parts that touch", &larger);
+    if (status != BVX_OK) {
+        bvxi_free(ctx, tint, room * 4);
+        return status;
+    }
+
     memcpy(larger, m->at, (size_t)m->vertices * sizeof *larger);
     bvxi_free(ctx, m->at, m->vertex_room * sizeof *larger);
+    bvxi_free(ctx, m->tint, m->vertex_room * 4);
     m->at = larger;
+    m->tint = tint;
     m->vertex_room = room;
     return BVX_OK;
 }
@@ -245,6 +257,7 @@ static uint64_t part_fans(bvxi_corners *m, int32_t *first, int32_t *seen, uint64
         if (first[v]++ > 0) {
             if (fresh != 0) {
                 m->at[fresh + shared] = m->at[v];
+                if (m->tint != NULL) memcpy(m->tint + 4 * (fresh + shared), m->tint + 4 * (size_t)v, 4);
                 v = (uint32_t)(fresh + shared);
             }
             shared++;

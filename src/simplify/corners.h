@@ -43,6 +43,7 @@ typedef struct bvxi_corners {
     uint64_t vertices, triangles;
     uint64_t ghosts; /* triangles between borders and the ghost vertex, after all others */
     uint64_t left;   /* triangles that are not gone, without ghosts */
+    uint8_t *tint;                       /* colours of the vertices as they were opened, four bytes each, or NULL */
     uint64_t vertex_room, triangle_room; /* of the arrays, which bvxi_corners_connect may replace */
 } bvxi_corners;
 

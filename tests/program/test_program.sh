@@ -384,7 +384,7 @@ cp out said.txt
 set -- $(awk '/dims/ { print $2, $4, $6 }' said.txt)
 holds 'voxelize: the longest axis has 50' test "$2" = 50
 holds 'voxelize: one byte a voxel behind the header' test "$(wc -c <x.npy)" = $((128 + $1 * $2 * $3))
-holds 'voxelize: as many are set as it says' test "$(tail -c +129 x.npy | tr -d '\000' | wc -c)" = "$(awk '/voxels/ { print $2 }' said.txt)"
+holds 'voxelize: as many are set as it says' test "$(tail -c +129 x.npy | tr -d '\000' | wc -c)" = "$(awk '/^  voxels/ { print $2 }' said.txt)"
 run voxelize "$knot" -o y.npy --resolution 50 --window "0,0,0,$1,$2,$3" --threads 1
 holds 'voxelize: the window of everything is everything' cmp x.npy y.npy
 run voxelize "$knot" -o y.npy --resolution 50 --fill nonzero

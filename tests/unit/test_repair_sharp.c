@@ -53,7 +53,7 @@ static double mean_distance(const bvx_mesh *out)
     bvx_mesh_view made;
     bvx_distance_report d;
     bvx_mesh_view_of(out, &made);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &made, 30000, 1, &d));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &made, 300000, 1, &d));
     return d.mean_a_to_b > d.mean_b_to_a ? d.mean_a_to_b : d.mean_b_to_a;
 }
 

@@ -67,7 +67,7 @@ static void compare_with_mesh(const bvx_mesh *m, bvx_distance_report *d)
     bvx_mesh_view const a = maker_view(&mesh);
     bvx_mesh_view b;
     bvx_mesh_view_of(m, &b);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &a, &b, 20000, 1, d));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &a, &b, 100000, 1, d));
 }
 
 static void check_turned_box(int with_triangles)

@@ -162,6 +162,46 @@ static void test_open_meshes_keep_their_borders_too(void)
     TEST_ASSERT_TRUE(border_shift(&level[0]) < 0.06);
 }
 
+static int shared_vertices(const uint32_t a[3], const uint32_t b[3])
+{
+    int n = 0;
+
+    for (int i = 0; i < 9; i++) n += a[i / 3] == b[i % 3];
+    return n;
+}
+
+/* Take away two triangles of a vertex that have nothing else in common, so that two fans are left. */
+static void pinch_at(uint32_t v)
+{
+    for (size_t i = 0; i < mesh.triangles; i++)
+        for (size_t j = i + 1; j < mesh.triangles; j++) {
+            const uint32_t *const a = mesh.t + 3 * i, *const b = mesh.t + 3 * j;
+
+            if ((a[0] != v && a[1] != v && a[2] != v) || shared_vertices(a, b) != 1 || (b[0] != v && b[1] != v && b[2] != v)) continue;
+            maker_remove(&mesh, j);
+            maker_remove(&mesh, i);
+            return;
+        }
+}
+
+/* Vertices that join several fans are parted, each part with their colour. */
+static void test_parts_that_touch_keep_their_colours(void)
+{
+    bvx_certificate before;
+    bvx_mesh_view view;
+
+    make_ball();
+    for (uint32_t v = 1000; v < 4000; v += 150) pinch_at(v);
+    view = coloured_view();
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &before));
+    TEST_ASSERT_EQUAL_INT32(0, before.vertex_manifold);
+
+    simplify_coloured(0.02, 2000);
+    TEST_ASSERT_EQUAL_INT32(1, report[0].certificate.vertex_manifold);
+    carry_colours(&level[0]);
+    TEST_ASSERT_TRUE(border_shift(&level[0]) < 0.06);
+}
+
 /* ---- What it does not ---- */
 
 static void test_without_a_weight_or_colours_nothing_changes(void)
@@ -367,6 +407,7 @@ int main(void)
     RUN_TEST(test_borders_of_colours_stay);
     RUN_TEST(test_borders_stay_on_measured_surfaces);
     RUN_TEST(test_open_meshes_keep_their_borders_too);
+    RUN_TEST(test_parts_that_touch_keep_their_colours);
     RUN_TEST(test_without_a_weight_or_colours_nothing_changes);
     RUN_TEST(test_order_and_threads_do_not_matter);
     RUN_TEST(test_memory_is_as_the_header_says);
