@@ -1957,6 +1957,16 @@ typedef struct bvx_lod_options {
 
 BVX_API void bvx_lod_options_init(bvx_lod_options *options, size_t size);
 
+/** The resolution of the solid that bvx_build_lods makes these levels of: eight times the samples of the finest level along the longest
+ *  axis, at most 2^20; fewer where the solid would take more than 1 GiB or more than half of what the memory limit leaves, and never
+ *  below the finest level. A level by triangles is as fine as the mesh's area says. padding: voxels added on every side of the solid.
+ *  mesh: what is voxelized. options: resolutions, axis_resolutions or target_triangles, and collapse. limited, where not NULL, receives 1
+ *  when memory decided, else 0.
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangles, or all in one point), BVX_ERR_RANGE. Memory: none. Cost: O(vertices +
+ *  triangles). */
+BVX_API bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lod_options *options,
+                                 uint64_t level_count, int32_t padding, int32_t *resolution, int32_t *limited);
+
 /**
  * Closed meshes of several sizes from one solid.
  *

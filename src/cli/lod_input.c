@@ -3,12 +3,7 @@
 #include "cli/lod_chain.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <string.h>
-
-enum { RATIO_WANTED = 8 };
-
-#define GRID_BYTES_DEFAULT (UINT64_C(1) << 30) /* most bytes of the grid without --memory-limit */
 
 /* Samples along the longest axis. A small grid gives smaller levels than usual, since none can be finer than it. */
 int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
@@ -19,27 +14,6 @@ int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
 
 /* ---- the solid ---- */
 
-/* Samples along the longest axis of the finest level. For a count of triangles: marching cubes makes about three for
- * each square of the surface as large as a sample. */
-static double finest_level(const cli_run *run, const cli_chain *c)
-{
-    double finest = 1.0, longest = 0.0;
-    if (c->by_triangles && !(c->certificate.area > 0.0)) return finest;
-    if (!c->by_triangles) {
-        for (int i = 0; i < c->count; i++) finest = cli_level_resolution(run, c, i) > finest ? cli_level_resolution(run, c, i) : finest;
-        return finest;
-    }
-    for (int a = 0; a < 3; a++)
-        longest = c->certificate.high[a] - c->certificate.low[a] > longest ? c->certificate.high[a] - c->certificate.low[a] : longest;
-    for (int i = 0; i < c->count; i++) {
-        double const more = run->options.collapse != 0.0 ? run->options.collapse : 1.0; /* before edges collapse */
-        double const squares = (double)run->options.triangles.value[i] * more / 3.0;
-        double const r = sqrt(squares * longest * longest / c->certificate.area);
-        finest = r > finest ? r : finest;
-    }
-    return floor(finest + 0.5);
-}
-
 static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_lattice *lattice)
 {
     bvx_lattice_options o;
@@ -49,43 +23,33 @@ static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_
     return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
 }
 
-/* Bytes that the solid may take: half of what the limit leaves beside the mesh and its snapped copy; the other half is
- * for rows in work, for the levels and for checking them. */
-static uint64_t room_for_solid(const cli_run *run, const cli_chain *c)
-{
-    uint64_t const beside = bvx_memory_used(run->context) + 16 * c->view.vertex_count + 4 * c->view.triangle_count;
-    if (run->context_limit == 0) return GRID_BYTES_DEFAULT;
-    return run->context_limit > beside ? (run->context_limit - beside) / 2 : 0;
-}
-
-/* The resolution of the solid: given, or RATIO_WANTED times the finest level where memory allows, else what it allows,
- * and never below the finest level. */
+/* The resolution of the solid: given, or what suits the levels. */
 static int choose_resolution(cli_run *run, cli_chain *c)
 {
-    double const finest = finest_level(run, c), wanted = finest * RATIO_WANTED;
-    uint64_t const room = room_for_solid(run, c);
-    int32_t low, high; /* low is taken in any case */
-    if (run->options.resolution.count != 0) {
-        c->resolution = (int32_t)run->options.resolution.value[0];
+    const cli_options *const options = &run->options;
+    int32_t resolutions[CLI_MAX_LEVELS], limited;
+    uint64_t targets[CLI_MAX_LEVELS];
+    bvx_lod_options o;
+    bvx_status status;
+
+    if (options->resolution.count != 0) {
+        c->resolution = (int32_t)options->resolution.value[0];
         c->chosen = "given";
         return CLI_DONE;
     }
-    low = finest < 33554432.0 ? (int32_t)finest : 33554432;
-    high = wanted < 33554432.0 ? (int32_t)wanted : 33554432;
-    c->chosen = "8 x the finest level";
-    for (int32_t try = high; low < high; try = low + (high - low + 1) / 2) {
-        bvx_lattice lattice;
-        bvx_status const status = fit(run, c, try, &lattice);
-        uint64_t const words = status == BVX_OK ? bvx_grid_bound(&lattice, NULL) : UINT64_MAX;
-        if (status != BVX_OK && status != BVX_ERR_RANGE) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
-        if (words <= room / 8) {
-            low = try;
-        } else {
-            high = try - 1;
-            c->chosen = "what memory allows";
-        }
+
+    bvx_lod_options_init(&o, sizeof o);
+    o.collapse = options->collapse;
+    if (c->by_triangles) o.target_triangles = targets;
+    else o.resolutions = resolutions;
+    for (int i = 0; i < c->count; i++) {
+        if (c->by_triangles) targets[i] = (uint64_t)options->triangles.value[i];
+        else resolutions[i] = cli_level_resolution(run, c, i);
     }
-    c->resolution = low;
+
+    status = bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->count, options->padding, &c->resolution, &limited);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(options->input[0]));
+    c->chosen = limited ? "what memory allows" : "8 x the finest level";
     return CLI_DONE;
 }
 

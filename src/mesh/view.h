@@ -17,6 +17,9 @@ bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mes
 bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3],
                             double high[3]);
 
+/* area.c: of all triangles. Trusts the indices. */
+double bvxi_view_area(const bvx_mesh_view *view);
+
 /* Refuse a result whose positions or triangles lie in the arrays of a checked view: the view is read after the result is begun. */
 bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_mesh *result);
 

@@ -93,24 +93,6 @@ static void corners_of(const bvx_mesh_view *mesh, uint64_t t, double p[3][3])
     for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
 }
 
-static double area_of(const bvx_mesh_view *mesh)
-{
-    double sum = 0;
-
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
-        double p[3][3], u[3], v[3], n[3];
-
-        corners_of(mesh, t, p);
-        for (int a = 0; a < 3; a++) {
-            u[a] = p[1][a] - p[0][a];
-            v[a] = p[2][a] - p[0][a];
-        }
-        for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-        sum += 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    }
-    return sum;
-}
-
 /* Triangles of the finest level; by error the mesh's own. */
 static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uint64_t triangles)
 {
@@ -144,7 +126,7 @@ static bvx_status run_plan_levels(bvx_context *context, const bvx_mesh_view *mes
     /* Marching cubes makes about 2.6 triangles for each square of the surface as large as a voxel. */
     for (int a = 0; a < 3; a++)
         if (high[a] - low[a] > longest) longest = high[a] - low[a];
-    area = area_of(mesh);
+    area = bvxi_view_area(mesh);
     wanted = PLAN_LEAST;
     if (area > 0)
         wanted = sqrt(PLAN_RATIO * (double)finest_of(&o, level_count, mesh->triangle_count) / 2.6 * longest /

@@ -42,6 +42,20 @@ static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_level_
     fuzz_require(crossings == 0, "a level that crosses itself");
 }
 
+/* A plan by triangles: the finest level's samples at least, and no more than levels are made from. */
+static void fuzz_plan(bvx_context *ctx, fuzz_input *in, const bvx_mesh_view *view)
+{
+    uint64_t const target = (uint64_t)fuzz_range(in, 1, 100000);
+    int32_t planned = 0, limited = -1;
+    bvx_lod_options o;
+
+    bvx_lod_options_init(&o, sizeof o);
+    o.target_triangles = &target;
+    o.collapse = fuzz_range(in, 0, 2) * 2;
+    if (!fuzz_good(ctx, bvx_plan_lods(ctx, view, &o, 1, fuzz_range(in, 0, 4), &planned, &limited))) return;
+    fuzz_require(planned >= 1 && planned <= 1 << 20 && (limited & ~1) == 0, "a plan out of its bounds");
+}
+
 static void fuzz_build(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
 {
     uint64_t targets[2];
@@ -81,7 +95,10 @@ static void fuzz_one(fuzz_input *in)
     static fuzz_mesh m;
     bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
     fuzz_take_mesh(in, &m);
-    if (m.triangles > 0) fuzz_build(ctx, other, in, &m.view);
+    if (m.triangles > 0) {
+        fuzz_build(ctx, other, in, &m.view);
+        fuzz_plan(ctx, in, &m.view);
+    }
     fuzz_end(ctx);
     fuzz_end(other);
 }

@@ -81,6 +81,27 @@ static void knot_levels(golden *g)
     bvx_mesh_free(g->context, &knot);
 }
 
+/* How fine the solid is planned for levels by samples. */
+static void planned_samples(golden *g, const bvx_mesh_view *view)
+{
+    static const int32_t sides[2] = {40, 90};
+    static const uint64_t targets[2] = {50000, 300};
+    int32_t by_sides = 0, by_triangles = 0, limited = -1;
+    bvx_lod_options o;
+
+    golden_begin(g, "torus_planned_samples");
+    bvx_lod_options_init(&o, sizeof o);
+    o.resolutions = sides;
+    if (golden_good(g, bvx_plan_lods(g->context, view, &o, 2, 1, &by_sides, &limited))) {
+        golden_u64(g, "by_sides", (uint64_t)by_sides);
+        golden_u64(g, "limited", (uint64_t)limited);
+    }
+    o.resolutions = NULL;
+    o.target_triangles = targets;
+    if (golden_good(g, bvx_plan_lods(g->context, view, &o, 2, 0, &by_triangles, NULL))) golden_u64(g, "by_triangles", (uint64_t)by_triangles);
+    golden_end(g);
+}
+
 static void level_cases(golden *g)
 {
     static const double errors[2] = {0.02, 0.08};
@@ -94,6 +115,7 @@ static void level_cases(golden *g)
     simplified_mesh(g, "sheet_f32", &view, BVX_F32, 0.000001, BVX_OPEN_KEEP);
     simplified_mesh(g, "sheet_f64", &view, BVX_F64, 0.000001, BVX_OPEN_KEEP);
     view.triangle_count += 2000;
+    planned_samples(g, &view);
     built_levels(g, "torus_sound", &view, 0, 0, -1, NULL);
     built_levels(g, "torus_measured", &view, BVX_F32, 60, 0, NULL);
     built_levels(g, "torus_measured_f64_sharp", &view, BVX_F64, 60, 1, NULL);

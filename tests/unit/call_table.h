@@ -283,6 +283,12 @@ static bvx_status build_lods(const world *w)
     o.resolutions = eight;
     return bvx_build_lods(w->ctx, w->grid, &o, 1, (bvx_mesh *)w->out);
 }
+static bvx_status plan_lods(const world *w)
+{
+    TAKE_OPTIONS(lod, o);
+    o.resolutions = eight;
+    return bvx_plan_lods(w->ctx, w->mesh, &o, 1, 0, (int32_t *)w->out, NULL);
+}
 static bvx_status build_sections(const world *w)
 {
     TAKE_OPTIONS(sections, o);
@@ -413,7 +419,7 @@ static const call calls[] = {
     CALL(list_labels, VOLUME | SECOND | SLOT, PLAIN), CALL(read_volume, BYTES | OPTIONS | RESERVED, TO_VOLUME),
     CALL(measure_field, INNER | MESH | LATTICE | OPTIONS | RESERVED, TO_FIELD), CALL(field_dense, FIELD, PLAIN),
     CALL(extract_field_surface, FIELD | OPTIONS | RESERVED, TO_MESH), CALL(boolean, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(build_lods, GRID | OPTIONS, TO_MESH), CALL(build_sections, SECTIONS | OPTIONS, TO_MESH),
+    CALL(build_lods, GRID | OPTIONS, TO_MESH), CALL(plan_lods, MESH | OPTIONS, PLAIN), CALL(build_sections, SECTIONS | OPTIONS, TO_MESH),
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS), CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(mesh_simplify, MESH | OPTIONS | RESERVED, TO_MESH), CALL(plan_levels, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),

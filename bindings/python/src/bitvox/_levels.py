@@ -455,7 +455,7 @@ def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolu
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
     options.local_frame = int(bool(local_frame))
     options.collapse = 0.0 if collapse is None else float(collapse)
-    count, finest, kept = _set_levels(options, levels, triangles)
+    count, kept = _set_levels(options, levels, triangles)
     with Rise(limits["progress"], *(() if is_grid else (40,)), 60, *((20,) if carry else ())) as progress:
         limits = {**limits, "progress": progress}
         mesh: Mesh | None = None
@@ -468,7 +468,7 @@ def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolu
             mesh = Mesh.of(source)
             options.source_triangles = mesh.n_faces
             if resolution is None:
-                resolution = _resolution_of(mesh, finest or _finest_for(mesh, triangles, collapse))
+                resolution = _plan(mesh, options, count, padding or 0, limits)
             solid = voxelize(mesh, resolution=resolution, fill=fill, close_gaps=close_gaps, padding=padding or 0, **limits)
         reports = ffi.new("bvx_lod_report[]", count)
         options.reports = reports
@@ -477,47 +477,31 @@ def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolu
         return _meshes(made, reports, mesh if carry else None, limits)
 
 
-def _finest_for(mesh: Mesh, triangles: Any, collapse: float | None) -> int:
-    """Samples of the finest level: marching cubes makes about three triangles for each square as large as a sample."""
-    found = mesh.check()
-    if not found.area > 0.0:
-        return 1
-    most = max(triangles) if _many(triangles) else triangles
-    longest = max(b - a for a, b in zip(found.low, found.high))
-    return max(1, int((float(most) * (collapse or 1.0) / 3.0 * longest * longest / found.area) ** 0.5 + 0.5))
+def _plan(mesh: Mesh, options: Any, count: int, padding: int, limits: dict[str, Any]) -> int:
+    """The resolution of the solid that suits the levels, as `bitvox lod` plans it."""
+    out = ffi.new("int32_t *")
+    with Run(None, limits["memory_limit"]) as run:
+        run.check(lib.bvx_plan_lods(run.context, mesh._view(run), options, count, padding, out, ffi.NULL))
+    return out[0]
 
 
-def _resolution_of(mesh: Mesh, finest: int) -> int:
-    """Eight times the finest level, or as much as 1 GiB of bits allows."""
-    wanted = min(8 * finest, 2**20)
-    low, high = mesh.bounds
-    sides = [b - a for a, b in zip(low, high)]
-    longest = max(sides) or 1.0
-    while wanted > finest:
-        x, y, z = (s / longest * wanted + 1 for s in sides)
-        if (x / 64 + 1) * 8 * y * z <= 2**30:
-            break
-        wanted = max(finest, wanted * 7 // 8)
-    return wanted
-
-
-def _set_levels(options: Any, levels: Any, triangles: Any) -> tuple[int, int, Any]:
-    """Which levels are wanted: their count, samples of the finest, and the array that options point at."""
+def _set_levels(options: Any, levels: Any, triangles: Any) -> tuple[int, Any]:
+    """Which levels are wanted: their count, and the array that options point at."""
     if triangles is not None:
         wanted = [in_range("triangles", n, 1, 2**64 - 1) for n in _listed(triangles, "triangles")]
         array = ffi.new("uint64_t[]", wanted)
         options.target_triangles = array
-        return len(wanted), 0, array
+        return len(wanted), array
     given = _listed((64, 32, 16) if levels is None else levels, "levels")
     if any(_many(level) for level in given):
         flat = [n for level in given for n in arrays.triple("levels", level, int)]
         array = ffi.new("int32_t[]", flat)
         options.axis_resolutions = array
-        return len(given), max(flat), array
+        return len(given), array
     wanted = [in_range("levels", n, 1, 2**25) for n in given]
     array = ffi.new("int32_t[]", wanted)
     options.resolutions = array
-    return len(wanted), max(wanted), array
+    return len(wanted), array
 
 
 def _build_levels(solid: Grid, options: Any, count: int, dtype: Any, limits: dict[str, Any]) -> list[Any]:

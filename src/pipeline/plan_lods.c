@@ -1,0 +1,144 @@
+/* plan_lods.c - how fine the solid must be that levels by samples are made from: bvx_plan_lods.
+ *
+ * Source: "LOD by voxelization and downsampling": levels are good where each sample stands for 5 to 15 voxels along an axis. Eight
+ * are taken, or as many as memory allows.
+ * Guarantee: the plan follows from mesh, options and memory limit, not from the machine. */
+#include "core/core.h"
+#include "mesh/view.h"
+
+#include <math.h>
+
+enum { PLAN_VOXELS_A_SAMPLE = 8, PLAN_FINEST_GRID = 1 << 20 };
+
+/* Bytes of the finest solid that is planned. */
+#define PLAN_MOST_BYTES (UINT64_C(1) << 30)
+
+/* A square of the surface as large as a sample becomes about three triangles. */
+#define PLAN_TRIANGLES_A_SQUARE 3.0
+
+static const char plan_lods_name[] = "bvx_plan_lods";
+
+typedef struct lods_plan {
+    const bvx_mesh_view *mesh;
+    const bvx_lod_options *options;
+    uint64_t level_count;
+    int32_t padding;
+    double low[3], high[3];
+} lods_plan;
+
+static bvx_status check_planned_levels(bvx_context *ctx, const bvx_lod_options *o, uint64_t level_count)
+{
+    if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
+                         plan_lods_name);
+    if (!(o->collapse == 0 || (o->collapse >= 1 && o->collapse <= 64)))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse %g is neither 0 nor from 1 to 64", plan_lods_name, o->collapse);
+    if (level_count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level_count is 0", plan_lods_name);
+    return BVX_OK;
+}
+
+/* Samples along the longest axis of the level that has most. */
+static double finest_samples(const lods_plan *p)
+{
+    const bvx_lod_options *const o = p->options;
+    double finest = 1, longest = 0, area, most = 0;
+
+    if (o->target_triangles == NULL) {
+        uint64_t const n = o->resolutions != NULL ? p->level_count : 3 * p->level_count;
+        const int32_t *const given = o->resolutions != NULL ? o->resolutions : o->axis_resolutions;
+
+        for (uint64_t i = 0; i < n; i++) finest = given[i] > finest ? given[i] : finest;
+        return finest;
+    }
+
+    for (uint64_t i = 0; i < p->level_count; i++)
+        most = (double)o->target_triangles[i] > most ? (double)o->target_triangles[i] : most;
+    for (int a = 0; a < 3; a++) longest = p->high[a] - p->low[a] > longest ? p->high[a] - p->low[a] : longest;
+    area = bvxi_view_area(p->mesh);
+    if (!(area > 0)) return finest;
+
+    /* More triangles are made where edges collapse afterwards. */
+    most *= o->collapse != 0 ? o->collapse : 1;
+    finest = floor(sqrt(most / PLAN_TRIANGLES_A_SQUARE * longest / area * longest) + 0.5);
+    return finest > 1 ? finest : 1;
+}
+
+/* Half of what the limit leaves beside the mesh's snapped copy: the other half is for rows in work and for the levels. */
+static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *mesh)
+{
+    uint64_t const limit = bvxi_memory_limit(ctx);
+    uint64_t const beside = bvx_memory_used(ctx) + 16 * mesh->vertex_count + 4 * mesh->triangle_count;
+    uint64_t room;
+
+    if (limit == 0) return PLAN_MOST_BYTES;
+    room = limit > beside ? (limit - beside) / 2 : 0;
+    return room < PLAN_MOST_BYTES ? room : PLAN_MOST_BYTES;
+}
+
+/* fits: 1 when a solid of this resolution has room. A lattice that cannot be is too large. */
+static bvx_status try_planned(bvx_context *ctx, const lods_plan *p, int32_t resolution, uint64_t room, int32_t *fits)
+{
+    bvx_lattice_options o;
+    bvx_lattice lattice;
+    bvx_status status;
+
+    bvx_lattice_options_init(&o, sizeof o);
+    o.resolution = resolution;
+    o.padding = p->padding;
+    status = bvx_lattice_fit_box(ctx, p->low, p->high, &o, &lattice);
+    *fits = status == BVX_OK && bvx_grid_bound(&lattice, NULL) <= room / 8;
+    return status == BVX_ERR_RANGE ? BVX_OK : status;
+}
+
+static bvx_status search_planned(bvx_context *ctx, const lods_plan *p, int32_t *resolution, int32_t *limited)
+{
+    double const finest = finest_samples(p), wanted = finest * PLAN_VOXELS_A_SAMPLE;
+    uint64_t const room = room_for_planned(ctx, p->mesh);
+    int32_t low = finest < PLAN_FINEST_GRID ? (int32_t)finest : PLAN_FINEST_GRID;
+    int32_t high = wanted < PLAN_FINEST_GRID ? (int32_t)wanted : PLAN_FINEST_GRID;
+
+    *limited = 0;
+    for (int32_t next = high; low < high; next = low + (high - low + 1) / 2) {
+        int32_t fits;
+
+        BVXI_TRY(try_planned(ctx, p, next, room, &fits));
+        if (fits) {
+            low = next;
+        } else {
+            high = next - 1;
+            *limited = 1;
+        }
+    }
+    *resolution = low;
+    return BVX_OK;
+}
+
+static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lod_options *options,
+                                uint64_t level_count, int32_t padding, int32_t *resolution, int32_t *limited)
+{
+    bvx_lod_options o;
+    lods_plan p = {mesh, &o, level_count, padding, {0}, {0}};
+    int32_t planned, less;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (options == NULL) return bvxi_fail_null(context, plan_lods_name, "options");
+    if (resolution == NULL) return bvxi_fail_null(context, plan_lods_name, "resolution");
+    bvx_lod_options_init(&o, sizeof o);
+    BVXI_TRY(bvxi_take_options(context, plan_lods_name, options, &o, sizeof o));
+    BVXI_TRY(check_planned_levels(context, &o, level_count));
+    if (padding < 0 || padding > 65536)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: padding %d is not from 0 to 65536", plan_lods_name, (int64_t)padding);
+
+    BVXI_TRY(bvxi_view_check(context, plan_lods_name, mesh));
+    BVXI_TRY(bvxi_view_bounds(context, plan_lods_name, mesh, p.low, p.high));
+    BVXI_TRY(search_planned(context, &p, &planned, &less));
+    *resolution = planned;
+    if (limited != NULL) *limited = less;
+    return BVX_OK;
+}
+
+bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lod_options *options,
+                         uint64_t level_count, int32_t padding, int32_t *resolution, int32_t *limited)
+{
+    return BVXI_CALL(context, run_plan_lods(context, mesh, options, level_count, padding, resolution, limited));
+}
