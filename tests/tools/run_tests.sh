@@ -362,6 +362,7 @@ other)
     trap 'kill $beside 2>/dev/null; exit 130' INT TERM
     BVX_QUICK=1
     export BVX_QUICK
+    allow 900 # every allocation of the long stages, several times slower than without sanitizers
     run_fault san
     run_fuzz san ''
     check 'projects that use CMake' sh tests/tools/packaging.sh quick
