@@ -35,7 +35,7 @@ refuses 1 "$advice" convert utm.obj -o utm.stl
 refuses 1 "$advice" repair utm.obj -o utm.stl --resolution 48
 refuses 1 "$advice" lod utm.obj -o 'utm_%d.stl' --triangles 20000,4000 --samples 0
 refuses 1 "$advice" simplify utm.obj -o utm.stl --samples 0
-refuses 1 "$advice" faces utm.obj -o utm.stl --resolution 32 --check-thin never
+refuses 1 "$advice" faces utm.obj -o utm.stl --resolution 48
 refuses 1 "$advice" boolean union utm.obj utm.obj -o utm.stl --resolution 32
 refuses 1 '.ply, .obj, .off or .glb' refine utm.obj -o utm.stl --halvings 3
 run slice utm.obj -o utm.csv --spacing 0.2
