@@ -131,6 +131,8 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
 
     BVXI_TRY(bvxi_view_check(context, plan_lods_name, mesh));
     BVXI_TRY(bvxi_view_bounds(context, plan_lods_name, mesh, p.low, p.high));
+    if (p.low[0] == p.high[0] && p.low[1] == p.high[1] && p.low[2] == p.high[2])
+        return bvxi_fail(context, BVX_ERR_EMPTY, "%s: all vertices lie at one point, so a resolution gives no spacing", plan_lods_name);
     BVXI_TRY(search_planned(context, &p, &planned, &less));
     *resolution = planned;
     if (limited != NULL) *limited = less;
