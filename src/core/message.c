@@ -99,10 +99,22 @@ static const char *behind_function(const char *message)
     return (*p == ':' || *p == ',') && p[1] == ' ' ? p + 2 : message;
 }
 
-static bvx_status keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, const char *function, const char *format, va_list args)
+/* The first argument of a format that begins with a function's name. */
+static const char *named_function(const char *format, va_list args)
+{
+    return format[0] == '%' && format[1] == 's' && format[2] == ':' ? va_arg(args, const char *) : "";
+}
+
+static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, const char *format, va_list args)
 {
     bvx_error *const e = &ctx->error;
     message_line l = {ctx->message, sizeof ctx->message, 0, e};
+    va_list again;
+
+    /* Outside of a public call, as the few are that report no progress, the message knows whose it is. */
+    va_copy(again, args);
+    e->function = ctx->calls != 0 ? ctx->function : named_function(format, again);
+    va_end(again);
 
     e->status = status;
     e->reason = reason;
@@ -110,42 +122,24 @@ static bvx_status keep_failure(bvx_context *ctx, bvx_status status, int32_t reas
     e->value_count = 0;
     message_put_format(&l, format, args);
     e->text = behind_function(ctx->message);
-
-    /* Outside of a public call, as the few are that report no progress, the message knows whose it is. */
-    e->function = ctx->calls != 0 ? ctx->function : function;
-    return status;
-}
-
-/* The first argument of a format that begins with a function's name. */
-static const char *named_function(const char *format, va_list args)
-{
-    return format[0] == '%' && format[1] == 's' && format[2] == ':' ? va_arg(args, const char *) : "";
 }
 
 bvx_status bvxi_fail(bvx_context *ctx, bvx_status status, const char *format, ...)
 {
-    const char *function;
     va_list args;
 
     va_start(args, format);
-    function = named_function(format, args);
-    va_end(args);
-    va_start(args, format);
-    keep_failure(ctx, status, reason_of_status(status), function, format, args);
+    keep_failure(ctx, status, reason_of_status(status), format, args);
     va_end(args);
     return status;
 }
 
 bvx_status bvxi_fail_for(bvx_context *ctx, bvx_status status, int32_t reason, const char *format, ...)
 {
-    const char *function;
     va_list args;
 
     va_start(args, format);
-    function = named_function(format, args);
-    va_end(args);
-    va_start(args, format);
-    keep_failure(ctx, status, reason, function, format, args);
+    keep_failure(ctx, status, reason, format, args);
     va_end(args);
     return status;
 }

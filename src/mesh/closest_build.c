@@ -6,7 +6,6 @@
  * hash of the corners' positions where no numbering may show.
  * Boxes are floats rounded outwards, in units in which the mesh lies within [-1, 1]. */
 #include "mesh/closest.h"
-#include "core/hash.h"
 #include "mesh/facet.h"
 #include "mesh/radix.h"
 #include "mesh/scale.h"
@@ -113,19 +112,10 @@ static void turn_to_lowest(const bvx_mesh_view *view, uint32_t c[3])
 static uint64_t hash_of_corners(const bvx_mesh_view *view, uint64_t triangle)
 {
     uint32_t c[3];
-    bvxi_hash hash;
 
     bvxi_view_triangle(view, triangle, c);
     turn_to_lowest(view, c);
-    bvxi_hash_start(&hash, 0);
-    for (int k = 0; k < 3; k++) {
-        double p[3];
-
-        bvxi_view_position(view, c[k], p);
-        for (int a = 0; a < 3; a++) p[a] += 0.0; /* -0 is 0 */
-        bvxi_hash_f64(&hash, p, 3);
-    }
-    return bvxi_hash_end(&hash);
+    return bvxi_view_corners_hash(view, c);
 }
 
 /* A few triangles of one key by their hashes, which are in keys. */

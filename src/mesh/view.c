@@ -5,6 +5,7 @@
  * of one vertex that touches each of the six sides. When the indices mention all six, these are the bounds of the
  * used vertices too. When one is missing (unused vertices stick out) the plain loop, which is the specification,
  * decides. */
+#include "core/hash.h"
 #include "mesh/view.h"
 
 bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bvx_mesh_view *view, uint64_t t)
@@ -343,4 +344,19 @@ bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mes
                 return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the result's %s lie in the mesh's own arrays; it needs others", function,
                                  i == 0 ? "positions" : "triangles");
     return BVX_OK;
+}
+
+uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner[3])
+{
+    bvxi_hash hash;
+
+    bvxi_hash_start(&hash, 0);
+    for (int k = 0; k < 3; k++) {
+        double p[3];
+
+        bvxi_view_position(view, corner[k], p);
+        for (int a = 0; a < 3; a++) p[a] += 0.0; /* -0 is 0 */
+        bvxi_hash_f64(&hash, p, 3);
+    }
+    return bvxi_hash_end(&hash);
 }

@@ -8,6 +8,7 @@
  * A shell is what lies within half its thickness of the sheets: closed for any sheet.
  * Guarantee: sums go by triangle, so the answer follows from the mesh and the lattice alone. */
 #include "field/nearest.h"
+#include "mesh/facet.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 #include "voxelize/holes.h"
@@ -47,18 +48,6 @@ static piece_sums *sums_of(const bvxi_repair_job *job, const all_sums *sums, uin
 static double vector_length(const double v[3])
 {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-static void cross_of_triangle(const double p[3][3], double n[3])
-{
-    double u[3], v[3];
-    for (int a = 0; a < 3; a++) {
-        u[a] = p[1][a] - p[0][a];
-        v[a] = p[2][a] - p[0][a];
-    }
-    n[0] = u[1] * v[2] - u[2] * v[1];
-    n[1] = u[2] * v[0] - u[0] * v[2];
-    n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
 /* 1 when the voxel that holds a place is set. [Units: voxels of the window] */
@@ -145,7 +134,7 @@ static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
         corners_of_triangle(&job->mesh, t, c, p);
         piece = sums_of(job, sums, c[0]);
         take_into_piece(piece, (const double(*)[3])p);
-        cross_of_triangle((const double(*)[3])p, n);
+        bvxi_facet_cross((const double(*)[3])p, n);
         length = vector_length(n);
         if (!(length > 0)) continue;
         piece->area += 0.5 * length;
@@ -165,7 +154,7 @@ static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, all_s
             memcpy(p[0], first, sizeof first);
             bvxi_view_position(&job->mesh, holes->vertex[i], p[1]);
             bvxi_view_position(&job->mesh, holes->vertex[i + 1], p[2]);
-            cross_of_triangle((const double(*)[3])p, n);
+            bvxi_facet_cross((const double(*)[3])p, n);
             for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];
         }
         sums_of(job, sums, holes->vertex[begin])->lid += vector_length(sum);
@@ -253,7 +242,7 @@ static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_su
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
         corners_of_triangle(&job->mesh, t, c, p);
-        cross_of_triangle((const double(*)[3])p, n);
+        bvxi_facet_cross((const double(*)[3])p, n);
         sums_of(job, sums, c[0])->joined += 0.5 * vector_length(n);
     }
 }
@@ -269,7 +258,7 @@ static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, ui
         corners_of_triangle(&job->mesh, t, c, p);
         answer[t] = is_joined(sums_of(job, sums, c[0])) ? BVXI_TRIANGLE_ASKED : 0;
         if (answer[t] == 0) continue;
-        cross_of_triangle((const double(*)[3])p, n);
+        bvxi_facet_cross((const double(*)[3])p, n);
         for (int a = 0; a < 3; a++) all[a] += 0.5 * n[a];
         area += 0.5 * vector_length(n);
         count++;

@@ -4,6 +4,7 @@
  * step from outside to inside, so steps that are missing by more than chance can be walls without a centre inside. That costs
  * a sum; only where they are missing, or where asked, thin_walls.c looks for the places.
  * Guarantee: sums are taken in pieces of the mesh's shape alone, so threads do not show. */
+#include "mesh/facet.h"
 #include "mesh/view.h"
 #include "voxelize/fills.h"
 #include "voxelize/thin_walls.h"
@@ -33,15 +34,9 @@ typedef struct loss_job {
 
 static inline void add_to_sums(const double from[3], double p[3][3], loss_sums *s)
 {
-    double u[3], v[3], n[3];
+    double n[3];
 
-    for (int a = 0; a < 3; a++) {
-        u[a] = p[1][a] - p[0][a];
-        v[a] = p[2][a] - p[0][a];
-    }
-    n[0] = u[1] * v[2] - u[2] * v[1];
-    n[1] = u[2] * v[0] - u[0] * v[2];
-    n[2] = u[0] * v[1] - u[1] * v[0];
+    bvxi_facet_cross((const double(*)[3])p, n);
     for (int a = 0; a < 3; a++) {
         s->volume += (p[0][a] - from[a]) * n[a];
         s->shadow[a] += bvxi_absolute(n[a]);

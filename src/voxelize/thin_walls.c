@@ -10,7 +10,6 @@
  * Guarantee: what is found follows from the mesh and the lattice alone. Cost: the surface, and closest points at thin places. */
 #include "voxelize/thin_walls.h"
 
-#include "core/hash.h"
 #include "mesh/facet.h"
 #include "mesh/radix.h"
 #include "mesh/scale.h"
@@ -223,20 +222,6 @@ static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
     return turned;
 }
 
-static uint64_t place_hash(const bvx_mesh_view *mesh, const uint32_t c[3])
-{
-    bvxi_hash hash;
-    double p[3];
-
-    bvxi_hash_start(&hash, 0);
-    for (int k = 0; k < 3; k++) {
-        bvxi_view_position(mesh, c[k], p);
-        for (int a = 0; a < 3; a++) p[a] += 0.0; /* -0 is 0 */
-        bvxi_hash_f64(&hash, p, 3);
-    }
-    return bvxi_hash_end(&hash);
-}
-
 /* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their corners' places.
  * keys, numbers [Size: count]: scratch. sorted [Size: count * 3] */
 static bvx_status sort_triangles_nearby(bvxi_walls *t, uint64_t *keys, uint32_t *numbers, uint32_t *sorted)
@@ -247,7 +232,7 @@ static bvx_status sort_triangles_nearby(bvxi_walls *t, uint64_t *keys, uint32_t 
         uint32_t *const c = t->corner + 3 * n;
 
         sorted[n] = order_corners(&t->near, c);
-        keys[n] = place_hash(&t->near, c);
+        keys[n] = bvxi_view_corners_hash(&t->near, c);
         numbers[n] = (uint32_t)n;
     }
     BVXI_TRY(bvxi_radix_sort(t->ctx, keys, numbers, count));
