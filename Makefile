@@ -98,8 +98,8 @@ folder := $(BUILD)/$(shell printf '%s' $(call quote,$(key)) | cksum | cut -d ' '
 
 # ---- Files ----
 
-core_sources := $(sort $(filter-out src/cli/%,$(wildcard src/*/*.c)))
-cli_sources := $(sort $(wildcard src/cli/*.c))
+cli_sources := $(sort $(wildcard src/cli_*/*.c))
+core_sources := $(sort $(filter-out $(cli_sources),$(wildcard src/*/*.c)))
 unit_tests := $(sort $(wildcard tests/unit/test_*.c))
 fault_tests := $(sort $(wildcard tests/fault/test_*.c))
 golden_tests := $(wildcard tests/golden/golden.c)
@@ -145,7 +145,7 @@ $(folder)/src/%: errors = -Werror
 $(folder)/src/%: flags = $(CORE_FLAGS)
 $(folder)/src/core/threads.o $(folder)/src/core/processors.o: flags = $(workers) $(CORE_FLAGS)
 # The program's own code waits for files and the library: not worth a slow build.
-$(folder)/src/cli/%: flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads) $(if $(filter -O3,$(CFLAGS)),-O1)
+$(cli_objects): flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads) $(if $(filter -O3,$(CFLAGS)),-O1)
 
 $(folder)/%.o: %.c
 	@mkdir -p $(@D)

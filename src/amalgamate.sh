@@ -5,7 +5,7 @@ set -eu
 out=$1
 mkdir -p "$out"
 cp include/bitvox.h "$out/bitvox.h"
-sources=$(find src -name '*.c' ! -path 'src/cli/*' | LC_ALL=C sort)
+sources=$(find src -name '*.c' ! -path 'src/cli_*' | LC_ALL=C sort)
 version=$(sed -n 's/^#define BVX_VERSION_\(MAJOR\|MINOR\|PATCH\) //p' include/bitvox.h | tr '\n' '.' | sed 's/\.$//')
 {
     cat <<END

@@ -27,7 +27,7 @@ cppcheck uninitvar src/section/distance2d.c what lies below the top was put ther
 cppcheck uninitvar src/section/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
 cppcheck uninitvar src/surface/apart.c the first corner sets both ends before the others are compared with them
 tidy bugprone-integer-division src/refine/children_batch.c the division is an index
-tidy bugprone-not-null-terminated-result src/cli/inputs.c the name's end is copied with its zero
+tidy bugprone-not-null-terminated-result src/cli_inputs/inputs.c the name's end is copied with its zero
 tidy bugprone-not-null-terminated-result src/io/png.c bytes of a file, no text
 tidy bugprone-not-null-terminated-result src/io/write_glb.c bytes of a file, no text
 tidy bugprone-not-null-terminated-result src/io/write_vox.c bytes of a file, no text
@@ -44,8 +44,8 @@ clang core.UndefinedBinaryOperatorResult src/surface/facet_plane.c an end withou
 clang core.UndefinedBinaryOperatorResult src/voxelize/sheet.c what is summed round a point is set wherever reach is above 0, and looked at only there
 clang core.NullDereference src/voxelize/sheet_lanes.h edges and triangles are kept only where reach is above 0, which goes with a place to look
 clang core.uninitialized.Assign src/voxelize/sheet.c as above
-clang unix.Errno src/cli/files.c a size that cannot be told is 0 and no failure; errno is set to 0 before each read
-clang unix.Stream src/cli/files.c a last read of nothing ends the loop
+clang unix.Errno src/cli_inputs/files.c a size that cannot be told is 0 and no failure; errno is set to 0 before each read
+clang unix.Stream src/cli_inputs/files.c a last read of nothing ends the loop
 clang core.BitwiseShift src/refine/expand.c no node of the last level is entered, so none has a level below it
 clang core.DivideZero src/io/read_volume.c the kind of samples is one of those that have a size
 clang core.NullDereference src/field/nearest_fill.c where nothing is remembered all slots are unknown
@@ -146,7 +146,7 @@ run_stack() {
     command -v gcc >/dev/null 2>&1 || { echo "gcc is missing"; return 77; }
     rm -rf "$work/stack"
     mkdir -p "$work/stack"
-    printf '%s\n' src/*/*.c | grep -v '^src/cli/' | xargs -P "$jobs" -I {} sh -c \
+    printf '%s\n' src/*/*.c | grep -v '^src/cli_' | xargs -P "$jobs" -I {} sh -c \
         'gcc -std=c99 -O2 -fstack-usage -fcallgraph-info=su -ffp-contract=off -Iinclude -Isrc -c "$1" -o "$2/$(basename "$1" .c).o"' sh {} "$work/stack" || return 1
     cat "$work"/stack/*.su | sort -t "$(printf '\t')" -k 2 -n -r >"$work/stack.txt"
     if grep 'dynamic$' "$work/stack.txt"; then # "dynamic,bounded" is a frame that is aligned

@@ -15,8 +15,8 @@ mkdir -p "$work"
 . tests/tools/counting.sh
 
 strict='-pedantic -Wall -Wextra -Wshadow -Wconversion -Werror'
-core=$(find src -name '*.c' ! -path 'src/cli/*' | LC_ALL=C sort)
-core_files=$(find src -name '*.[ch]' ! -path 'src/cli/*' | LC_ALL=C sort)
+core=$(find src -name '*.c' ! -path 'src/cli_*' | LC_ALL=C sort)
+core_files=$(find src -name '*.[ch]' ! -path 'src/cli_*' | LC_ALL=C sort)
 
 needs() { # TOOL: leave the check as skipped when it is missing
     command -v "$1" >/dev/null 2>&1 && return
@@ -82,12 +82,12 @@ every_function_proven() {
     empty "$work/unproven.txt" 'unproven functions'
 }
 
-# Names of rules, methods and formats come from the header's lists, texts of endings from src/cli/endings.h, and a reserved field is
+# Names of rules, methods and formats come from the header's lists, texts of endings from src/cli_shell/endings.h, and a reserved field is
 # refused in one wording.
 lists_stand_once() {
     grep -n -E '[({] *("parity", *"nonzero"|"auto", *"exact"|"stl", *"obj"|"npy", *"binvox"|"csl", *"csv")|"edge-ratio", *"coverage"' -r src bindings/python/src/bitvox \
         --include='*.[ch]' --include='*.py' >"$work/twice.txt"
-    grep -n -F -e '.ply .obj .stl' -e '.stl .obj .ply' -e '.npy .binvox .vox .nrrd .vti .bvx' src/cli/*.[ch] | grep -v '^src/cli/endings\.h:' >>"$work/twice.txt"
+    grep -n -F -e '.ply .obj .stl' -e '.stl .obj .ply' -e '.npy .binvox .vox .nrrd .vti .bvx' src/cli_*/*.[ch] | grep -v '^src/cli_shell/endings\.h:' >>"$work/twice.txt"
     # shellcheck disable=SC2086
     grep -n -i -E 'bvxi_fail(_for)?\(.*[a-z.]*reserved[^"]* (is|must)' $core | grep -v -E 'reserved byte|reserved2?(\[%u\])? must be 0' >>"$work/twice.txt"
     empty "$work/twice.txt" 'a list or wording by hand:'
@@ -114,11 +114,11 @@ every_function_rises() {
 
 # Callers decide by statuses and reasons; messages are for people. name_input looks whether the program's own line names its input.
 nobody_reads_messages() {
-    grep -n -E '(strstr|strn?cmp|strn?casecmp|strr?chr|strspn|strpbrk|memcmp|sscanf)[[:space:]]*\([^;]*(message|last_error|->text|error_text)' src/cli/*.[ch] |
+    grep -n -E '(strstr|strn?cmp|strn?casecmp|strr?chr|strspn|strpbrk|memcmp|sscanf)[[:space:]]*\([^;]*(message|last_error|->text|error_text)' src/cli_*/*.[ch] |
         grep -v -F 'strncmp(message, in, strlen(in))' >"$work/read.txt"
     grep -n -E "(in|==|!=) *(str|repr)\(|(in|==|!=) [a-z_.]*message\(\)|str\([a-z_]+\)\.(startswith|endswith|find|index|partition|split)|message\(\)\.(startswith|endswith|find|index|partition|split)|bvx_last_message|re\.(match|search|fullmatch)\([^)]*str\((e|error|exc|why|exception)\)" \
         -r bindings/python/src/bitvox --include='*.py' | grep -i -E 'error|exc|why|message|\(e\)' >>"$work/read.txt"
-    grep -n 'bvx_last_message' src/cli/*.[ch] >>"$work/read.txt"
+    grep -n 'bvx_last_message' src/cli_*/*.[ch] >>"$work/read.txt"
     empty "$work/read.txt" 'a message is read:'
 }
 

@@ -4,7 +4,7 @@
 set -eu
 cd "$(dirname "$0")/../.."
 
-grep -Hno '#include "[a-z]*/' src/*/*.c src/*/*.h | sed 's|^src/\([a-z]*\)/\([^:]*\):\([0-9]*\):#include "\([a-z]*\)/|\1 \4 src/\1/\2:\3|' | awk '
+grep -Hno '#include "[a-z_]*/' src/*/*.c src/*/*.h | sed 's|^src/\([a-z_]*\)/\([^:]*\):\([0-9]*\):#include "\([a-z_]*\)/|\1 \4 src/\1/\2:\3|' | awk '
     NR == FNR {
         if (/^## /) table = ($2 == "Rooms")
         if (!table || !/^\| `/) next

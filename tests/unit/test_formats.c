@@ -2,7 +2,7 @@
 #include "unity.h"
 
 #include "bitvox.h"
-#include "cli/endings.h"
+#include "cli_shell/endings.h"
 
 #include <stdio.h>
 #include <string.h>

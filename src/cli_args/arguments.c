@@ -1,0 +1,220 @@
+/* arguments.c - the command line: useful refusals; the options stand in option_table.c, option_values.c takes their values.
+ *
+ * An option stands once, takes one value (behind it or after "="), and is refused by commands that have no use for it. */
+#include "cli_shell/cli.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- names ---- */
+
+static size_t name_distance(const char *a, const char *b)
+{
+    enum { MOST = 40 };
+    size_t row[MOST + 1];
+    size_t const n = strlen(a), m = strlen(b);
+    if (n > MOST || m > MOST) return MOST;
+    for (size_t j = 0; j <= m; j++) row[j] = j;
+    for (size_t i = 1; i <= n; i++) {
+        size_t corner = row[0]; /* edit distance of a[0, i - 1) and b[0, j - 1) */
+        row[0] = i;
+        for (size_t j = 1; j <= m; j++) {
+            size_t const swap = corner + (a[i - 1] != b[j - 1]), up = row[j] + 1, left = row[j - 1] + 1;
+            corner = row[j];
+            row[j] = swap < up ? swap : up;
+            row[j] = left < row[j] ? left : row[j];
+        }
+    }
+    return row[m];
+}
+
+const char *cli_nearest(const char *word, const char *(*next)(const void *user, int i), const void *user)
+{
+    const char *nearest = NULL, *name;
+    size_t least = 0;
+    for (int i = 0; (name = next(user, i)) != NULL; i++) {
+        size_t d = name_distance(word, name);
+        if (strlen(word) >= 4 && strncmp(word, name, strlen(word)) == 0) d = 1; /* cut short: --res */
+        if (nearest == NULL || d < least) {
+            nearest = name;
+            least = d;
+        }
+    }
+    return nearest != NULL && least <= 1 + strlen(nearest) / 4 ? nearest : NULL;
+}
+
+static const char *next_option(const void *user, int i)
+{
+    int32_t const bit = *(const int32_t *)user;
+    const cli_argument *a;
+    for (int k = 0; (a = cli_argument_at(k)) != NULL; k++)
+        if ((a->commands & bit) != 0 && i-- == 0) return a->name;
+    return NULL;
+}
+
+const char *cli_mistaken_for(const cli_run *run, const char *name)
+{
+    const cli_argument *a;
+    for (int k = 0; (a = cli_argument_at(k)) != NULL; k++)
+        if ((a->commands & run->command->bit) != 0 && name_distance(name, a->name) == 1) return a->name;
+    return NULL;
+}
+
+/* The row of an option that the command takes, -1 when it takes none of that name. */
+static int find_argument(const char *name, size_t length, int32_t bit)
+{
+    const cli_argument *a;
+    for (int k = 0; (a = cli_argument_at(k)) != NULL; k++)
+        if ((a->commands & bit) != 0 && strlen(a->name) == length && strncmp(a->name, name, length) == 0) return k;
+    return -1;
+}
+
+int cli_given(const cli_run *run, const char *name)
+{
+    int const row = find_argument(name, strlen(name), run->command->bit);
+    return row >= 0 && run->given[row];
+}
+
+/* One name for two things was confusing: what the command calls it now. NULL when it was never taken. */
+static const char *new_name(int32_t bit, const char *name)
+{
+    static const struct {
+        int32_t command;
+        const char *old, *now;
+    } renamed[] = {{CLI_REFINE, "--levels", "--halvings, how many times voxels are halved (--levels of lod are resolutions)"}};
+
+    for (size_t i = 0; i < sizeof renamed / sizeof renamed[0]; i++)
+        if (renamed[i].command == bit && strcmp(renamed[i].old, name) == 0) return renamed[i].now;
+    return NULL;
+}
+
+static int refuse_option(cli_run *run, const char *word, size_t length)
+{
+    char name[64];
+    const char *nearest;
+    int32_t const bit = run->command->bit;
+    snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word);
+    if (new_name(bit, name) != NULL) return cli_usage(run, "%s is not an option of %s; it is now called %s", name, run->command->name, new_name(bit, name));
+    if (find_argument(word, length, CLI_ALL) >= 0)
+        return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help'", run->command->name, name, run->command->name);
+    nearest = cli_nearest(name, next_option, &bit);
+    if (nearest != NULL)
+        return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name, nearest);
+    return cli_usage(run, "%s is not an option of %s; see 'bitvox %s --help'", name, run->command->name, run->command->name);
+}
+
+/* ---- the command line ---- */
+
+/* Take the option at word[*at]; *at moves behind it. */
+static int parse_option(cli_run *run, int count, char **word, int *at)
+{
+    const char *const text = word[*at], *equals = strchr(text, '=');
+    size_t const length = equals != NULL ? (size_t)(equals - text) : strlen(text);
+    int const row = find_argument(text, length, run->command->bit);
+    const cli_argument *const a = row >= 0 ? cli_argument_at(row) : NULL;
+    const char *value = equals != NULL ? equals + 1 : NULL;
+    char wanted[256];
+    if (a == NULL) return refuse_option(run, text, length);
+    if (run->given[row] && a->kind != CLI_CUT) return cli_usage(run, "%s is given twice", a->name);
+    run->given[row] = 1;
+    ++*at;
+    if (a->kind == CLI_FLAG) {
+        if (value != NULL) return cli_usage(run, "%s takes no value", a->name);
+        cli_take_value(a, "", &run->options);
+        return CLI_DONE;
+    }
+    cli_describe_value(a, wanted, sizeof wanted);
+    if (value == NULL) {
+        if (*at == count) return cli_usage(run, "%s lacks its value, %s", a->name, wanted);
+        value = word[(*at)++];
+    }
+    if (!cli_take_value(a, value, &run->options)) return cli_usage(run, "%s takes %s, not '%s'", a->name, wanted, value);
+    return CLI_DONE;
+}
+
+static int take_input(cli_run *run, const char *name)
+{
+    cli_options *const o = &run->options;
+    int const most = o->output_dir != NULL ? CLI_MAX_FILES : run->command->most_inputs;
+    if (o->inputs == most && o->output_dir == NULL && most == 1 && find_argument("--output-dir", 12, run->command->bit) >= 0)
+        return cli_usage(run, "'%s' is one input too many; %s takes 1, or several with --output-dir", name, run->command->name);
+    if (o->inputs == most)
+        return cli_usage(run, "'%s' is one input too many; %s takes %d", name, run->command->name, most);
+    for (int i = 0; i < o->inputs; i++)
+        if (strcmp(name, "-") == 0 && strcmp(o->input[i], "-") == 0) return cli_usage(run, "standard input can be read only once");
+    o->input[o->inputs++] = name;
+    return CLI_DONE;
+}
+
+/* What holds for all commands once the words are taken. */
+static int check_line(cli_run *run)
+{
+    const cli_options *const o = &run->options;
+    const char *const name = run->command->name;
+    int const least = run->command->least_inputs;
+    int const writes = o->output != NULL && strcmp(o->output, "-") == 0;
+    int standard = 0;
+    if (o->inputs == 0) return cli_usage(run, "%s lacks its input file; see 'bitvox %s --help'", name, name);
+    if (o->inputs < least)
+        return cli_usage(run, "%s lacks an input: bitvox %s %s", name, name, run->command->usage);
+    for (int i = 0; i < o->inputs; i++) standard += strcmp(o->input[i], "-") == 0;
+    if (standard != 0 && o->format == 0)
+        return cli_usage(run, "standard input has no name that tells the format; say it with --format");
+    if (standard == 0 && !writes && o->output_dir == NULL && o->format != 0)
+        return cli_usage(run, "--format is for standard input and output, '-'; names of files tell theirs");
+    if (o->output_dir != NULL) return cli_check_batch(run);
+    if (o->output == NULL && run->command->bit != CLI_COMPONENTS && find_argument("-o", 2, run->command->bit) >= 0)
+        return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
+    if (writes && cli_take_standard_output(run) != CLI_DONE) return CLI_USAGE;
+    return cli_check_options(run);
+}
+
+int cli_check_options(cli_run *run)
+{
+    const cli_options *const o = &run->options;
+    if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE || cli_check_parts(run) != CLI_DONE)
+        return CLI_USAGE;
+    if (o->quiet && o->progress == CLI_BAR_DRAW) return cli_usage(run, "--quiet and --progress=bar exclude each other");
+    return CLI_DONE;
+}
+
+int cli_parse(cli_run *run, int count, char **word)
+{
+    cli_options *const o = &run->options;
+    int only_inputs = 0, at = 0, status = CLI_DONE;
+    for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++) { /* decide how an error is told and whether there is one */
+        if (strcmp(word[i], "--json") == 0) o->json = 1;
+        if (find_argument("--output-dir", 12, run->command->bit) >= 0 && strncmp(word[i], "--output-dir", 12) == 0) o->output_dir = "";
+        if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) o->help = 1;
+    }
+    if (o->help) return CLI_DONE;
+    while (at < count && status == CLI_DONE) {
+        const char *const text = word[at];
+        if (!only_inputs && strcmp(text, "--") == 0) {
+            only_inputs = 1;
+            at++;
+        } else if (!only_inputs && text[0] == '-' && text[1] != 0) {
+            status = parse_option(run, count, word, &at);
+        } else {
+            status = take_input(run, text);
+            at++;
+        }
+    }
+    return status == CLI_DONE ? check_line(run) : status;
+}
+
+void cli_print_options(int32_t command_bit)
+{
+    const cli_argument *a;
+    for (int k = 0; (a = cli_argument_at(k)) != NULL; k++) {
+        char left[40];
+        if ((a->commands & command_bit) == 0) continue;
+        snprintf(left, sizeof left, "%s %s", a->name, a->value != NULL ? a->value : "");
+        printf("  %-24s", left);
+        for (const char *p = a->help; *p != 0; p++) {
+            putchar(*p);
+            if (*p == '\n') printf("%26s", "");
+        }
+        putchar('\n');
+    }
+}

@@ -1,0 +1,212 @@
+/* batch.c - --output-dir: one command over several inputs, each to a file of its name in a folder.
+ *
+ * Each input is a run of its own, with its own context, report and output; what one of them meets does not stop the others. All
+ * names are known before the first one, so that two inputs never go to one file, and no input is replaced. */
+#if defined(__unix__) || defined(__APPLE__)
+#define _POSIX_C_SOURCE 200809L
+#define BATCH_POSIX 1
+#else
+#define BATCH_POSIX 0
+#endif
+
+#include "cli_shell/cli.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#if BATCH_POSIX
+#include <sys/stat.h>
+#elif defined(_WIN32)
+#include <direct.h>
+#endif
+
+typedef struct batch {
+    cli_options asked;    /* as the command line gave them */
+    char **path;          /* of each output */
+    cli_text reports;     /* of --json */
+    int done, failed;
+    int status;           /* of the first failure */
+} batch;
+
+/* ---- names ---- */
+
+static const char *last_part(const char *path)
+{
+    const char *part = path;
+
+    for (const char *p = path; *p != 0; p++) {
+#if defined(_WIN32)
+        if (*p == '\\' || *p == ':') part = p + 1;
+#endif
+        if (*p == '/') part = p + 1;
+    }
+    return part;
+}
+
+/* The name in the folder: with the format's ending where one is said, else with the input's own. */
+static char *path_in_folder(const char *folder, const char *input, const char *ending)
+{
+    const char *const name = last_part(input), *dot;
+    size_t length = strlen(name);
+    size_t const room = strlen(folder) + length + 16;
+    char *const path = malloc(room);
+
+    if (path == NULL) return NULL;
+    if (ending == NULL) {
+        snprintf(path, room, "%s/%s", folder, name);
+        return path;
+    }
+    if (cli_is_packed(name)) length -= 3;
+    dot = name + length;
+    if (dot > name) dot--;
+    while (dot > name && *dot != '.') dot--;
+    if (dot > name) length = (size_t)(dot - name);
+    snprintf(path, room, "%s/%.*s.%s", folder, (int)length, name, ending);
+    return path;
+}
+
+static const char *ending_of_outputs(const cli_run *run)
+{
+    if (run->options.format != 0) return cli_format_name(run->options.format);
+    return run->command->bit == CLI_VOXELIZE ? "bvx" : NULL;
+}
+
+/* Every output by its name, before any work: none twice, none an input. */
+static int name_outputs(cli_run *run, batch *b)
+{
+    const cli_options *const o = &b->asked;
+
+    b->path = calloc((size_t)o->inputs, sizeof *b->path);
+    if (b->path == NULL) return cli_fail(run, "no memory for %d files' names", o->inputs);
+
+    for (int i = 0; i < o->inputs; i++) {
+        b->path[i] = path_in_folder(o->output_dir, o->input[i], ending_of_outputs(run));
+        if (b->path[i] == NULL) return cli_fail(run, "no memory for a file's name");
+        for (int k = 0; k < i; k++)
+            if (strcmp(b->path[i], b->path[k]) == 0)
+                return cli_usage(run, "%s and %s would both become %s; nothing was done", o->input[k], o->input[i], b->path[i]);
+    }
+    for (int i = 0; i < o->inputs; i++)
+        for (int k = 0; k < o->inputs; k++)
+            if (cli_are_one_file(b->path[i], o->input[k]))
+                return cli_usage(run, "%s would replace the input %s; give another folder to --output-dir", b->path[i], o->input[k]);
+    return CLI_DONE;
+}
+
+static int make_folder(cli_run *run, const char *folder)
+{
+#if BATCH_POSIX
+    struct stat s;
+
+    if (mkdir(folder, 0777) == 0 || (stat(folder, &s) == 0 && S_ISDIR(s.st_mode))) return CLI_DONE;
+    return cli_fail(run, "%s: cannot be made a folder: %s", folder, strerror(errno));
+#else
+#if defined(_WIN32)
+    (void)_mkdir(folder); /* if it is none, no output opens in it */
+#endif
+    (void)run;
+    (void)folder;
+    return CLI_DONE;
+#endif
+}
+
+int cli_check_batch(cli_run *run)
+{
+    const cli_options *const o = &run->options;
+    int const kind = cli_kind_of_format(o->format);
+
+    if (o->output != NULL) return cli_usage(run, "-o and --output-dir exclude each other");
+    for (int i = 0; i < o->inputs; i++)
+        if (strcmp(o->input[i], "-") == 0) return cli_usage(run, "standard input has no name; --output-dir is for files");
+    if (o->format != 0 && (kind == 0 || ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY)) != 0 && kind != CLI_MESH)))
+        return cli_usage(run, "--format %s is not written by %s", cli_format_name(o->format), run->command->name);
+    if (run->command->bit == CLI_CONVERT && o->format == 0)
+        return cli_usage(run, "convert lacks the format of the files in --output-dir; say it with --format");
+    return CLI_DONE;
+}
+
+/* ---- running ---- */
+
+/* As it was before the first input. */
+static void begin_file(cli_run *run, const batch *b, int i)
+{
+    cli_lock();
+    for (int k = 0; k < run->report.warnings; k++) free(run->report.warning[k]);
+    cli_text_free(&run->report.more);
+    memset(&run->report, 0, sizeof run->report);
+    for (int k = 0; k < run->outputs; k++) free(run->output[k].path);
+    run->outputs = 0;
+    run->batch = 1;
+    memset(&run->progress, 0, sizeof run->progress);
+    run->context = NULL;
+    run->context_limit = 0;
+    run->options = b->asked;
+    run->options.input[0] = b->asked.input[i];
+    run->options.inputs = 1;
+    run->options.output = b->path[i];
+    run->options.format = 0;
+    run->options.output_dir = NULL;
+    cli_watch_again();
+    cli_unlock();
+}
+
+static void keep_report(cli_run *run, batch *b, int status)
+{
+    cli_text text = {NULL, 0, 0, 0};
+    cli_text *const t = &b->reports;
+
+    if (!run->options.json) return;
+    cli_report_text(run, status, 0, &text);
+    cli_text_add(t, "%s{\"input\": ", t->size == 0 ? "" : ", ");
+    cli_json_string(t, run->options.input[0]);
+    cli_text_add(t, ", \"output\": ");
+    cli_json_string(t, run->options.output);
+    if (text.size > 2) cli_text_add(t, ", %.*s", (int)(text.size - 2), text.bytes + 1); /* less its { and line end */
+    if (text.failed) t->failed = 1;
+    cli_text_free(&text);
+}
+
+static int run_file(cli_run *run, batch *b, int i)
+{
+    int status;
+
+    begin_file(run, b, i);
+    status = cli_check_options(run);
+    if (status == CLI_DONE) status = run->command->run(run);
+    cli_progress_end(run, status);
+    cli_note_peak(run, 0);
+    cli_drop_outputs(run);
+    keep_report(run, b, status);
+    bvx_context_destroy(run->context);
+    run->context = NULL;
+
+    if (status == CLI_DONE) b->done++;
+    else b->failed++;
+    if (b->status == CLI_DONE || status == CLI_INTERRUPTED) b->status = status;
+    return status;
+}
+
+int cli_run_batch(cli_run *run)
+{
+    static batch b; /* zeroed */
+    int status;
+
+    b.asked = run->options;
+    status = name_outputs(run, &b);
+    if (status == CLI_DONE) status = make_folder(run, b.asked.output_dir);
+    if (status != CLI_DONE) return cli_end_of_run(run, status);
+
+    for (int i = 0; i < b.asked.inputs && b.status != CLI_INTERRUPTED; i++) run_file(run, &b, i);
+
+    if (b.asked.json) {
+        cli_lock();
+        cli_text_add(&run->report.batch, "{\"status\": \"%s\", \"command\": \"%s\", \"done\": %d, \"failed\": %d, \"files\": [%s]}\n",
+                     b.status == CLI_DONE ? "done" : b.status == CLI_INTERRUPTED ? "interrupted" : "failed", run->command->name, b.done,
+                     b.failed, b.reports.bytes != NULL ? b.reports.bytes : "");
+        run->report.batch.failed |= b.reports.failed;
+        cli_unlock();
+    }
+    cli_say(run, "%d of %d files written to %s\n", b.done, b.asked.inputs, b.asked.output_dir);
+    return cli_end_of_run(run, b.status);
+}

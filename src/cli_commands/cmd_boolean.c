@@ -1,0 +1,358 @@
+/* cmd_boolean.c - bitvox boolean: what two bodies are together, have in common, or have alone.
+ *
+ * Two meshes that become a mesh keep their surfaces (bvx_boolean). Whenever a grid comes in or goes out the bits are what there
+ * is: a mesh is then voxelized, on the grid's own lattice or on one around both meshes. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct boolean_run {
+    int32_t operation;       /* BVX_BOOLEAN_... */
+    int kind;                /* of the output */
+    cli_input in[2];         /* A and B */
+    uint64_t voxels[2];
+    bvx_grid grid;
+    bvx_mesh mesh;
+    int by_mesh;             /* the mesh was made by bvx_boolean */
+    bvx_boolean_report report;
+    bvx_solid_report solid[2]; /* of the inputs that are meshes */
+    int is_mesh[2];
+    int32_t few, advised;      /* BVX_FEW_..., and the resolution to take */
+    cli_reduction reduction;
+} boolean_run;
+
+static const char *const operation_names[] = {"union", "intersection", "difference", "xor"};
+
+/* ---- Options ---- */
+
+static int refuse_boolean_option(cli_run *run, const char *option, const char *why)
+{
+    return cli_given(run, option) ? cli_usage(run, "%s %s", option, why) : CLI_DONE;
+}
+
+static int take_operation(cli_run *run, boolean_run *b)
+{
+    const char *const word = run->options.input[0];
+    for (b->operation = 0; b->operation < 4; b->operation++)
+        if (strcmp(word, operation_names[b->operation]) == 0) return CLI_DONE;
+    return cli_usage(run, "'%s' is no operation; union, intersection, difference and xor are", word);
+}
+
+static int check_boolean_options(cli_run *run, boolean_run *b)
+{
+    static const char *const of_lattice[] = {"--resolution", "--spacing"};
+    static const char *const of_mesh[] = {"--interpolation", "--sharp", "--no-sharp", "--least-part"};
+    const char *const out = run->options.output;
+    int kind[2], grids, status = take_operation(run, b);
+    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, run->options.input[1 + i], &kind[i]);
+    if (status != CLI_DONE) return status;
+    for (int i = 0; i < 2; i++) b->is_mesh[i] = kind[i] == CLI_MESH;
+    grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
+    b->kind = cli_kind_of_format(bvx_format_of_name(out));
+    if (b->kind == 0)
+        return cli_usage(run, "%s: the name ends in no format that is written (" CLI_MESHES_WRITTEN ", " CLI_GRIDS ")", out);
+    for (int i = 0; i < 2 && status == CLI_DONE && grids != 0; i++)
+        status = refuse_boolean_option(run, of_lattice[i], "is for two meshes; a grid brings its own lattice");
+    for (int i = 0; i < 4 && status == CLI_DONE && (grids != 0 || b->kind == CLI_GRID); i++)
+        status = refuse_boolean_option(run, of_mesh[i], "is for two meshes that become a mesh");
+    if (status == CLI_DONE && grids == 2) status = refuse_boolean_option(run, "--fill", "is for meshes");
+    if (status == CLI_DONE && grids != 2) status = refuse_boolean_option(run, "--resample", "is for two grids");
+    if (status == CLI_DONE && b->kind == CLI_GRID) status = cli_refuse_reduction(run, "is for a mesh; the result is a grid");
+    if (status == CLI_DONE) status = cli_check_reduction(run);
+    if (status == CLI_DONE) status = cli_check_lattice(run);
+    if (status == CLI_DONE) status = cli_check_sharp(run);
+    b->by_mesh = grids == 0 && b->kind == CLI_MESH;
+    return status;
+}
+
+static int fail_boolean(cli_run *run, const boolean_run *b, bvx_status status)
+{
+    char about[600];
+    snprintf(about, sizeof about, "%s and %s%s", cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
+             status == BVX_ERR_LATTICE ? " (--resample brings B to the lattice of A)" : "");
+    return cli_fail_status(run, status, about);
+}
+
+/* ---- Meshes ---- */
+
+/* What can be left lies in the first box of a difference, in both of an intersection. */
+static void choose_boolean_box(const boolean_run *b, const cli_box box[2], cli_box *fit)
+{
+    *fit = box[0];
+    if (b->operation == BVX_BOOLEAN_UNION || b->operation == BVX_BOOLEAN_XOR) cli_join_boxes(fit, &box[1]);
+    if (b->operation != BVX_BOOLEAN_INTERSECTION) return;
+    for (int a = 0; a < 3; a++) {
+        if (box[1].low[a] > fit->low[a]) fit->low[a] = box[1].low[a];
+        if (box[1].high[a] < fit->high[a]) fit->high[a] = box[1].high[a];
+    }
+    for (int a = 0; a < 3; a++)
+        if (!(fit->low[a] < fit->high[a])) *fit = box[0]; /* nothing will be left */
+}
+
+/* A mesh that sticks out far needs fewer fraction bits for its vertices to fit. */
+static void give_fraction_bits(const cli_box box[2], bvx_lattice *l)
+{
+    double farthest = 0.0;
+    for (int i = 0; i < 2; i++)
+        for (int a = 0; a < 3; a++) {
+            farthest = fmax(farthest, (l->origin[a] - box[i].low[a]) / l->spacing[a]);
+            farthest = fmax(farthest, (box[i].high[a] - l->origin[a]) / l->spacing[a]);
+        }
+    while (l->fraction_bits > 4 && ldexp(farthest, l->fraction_bits) > 536870912.0) l->fraction_bits--;
+}
+
+/* A lattice around what can be left, as bvx_boolean fits it, with an empty voxel on every side. */
+static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_lattice *lattice)
+{
+    cli_box box[2], fit;
+    bvx_status status;
+    for (int i = 0; i < 2; i++) cli_mesh_box(&b->in[i].mesh, &box[i]);
+    choose_boolean_box(b, box, &fit);
+    run->options.padding = 1;
+    status = cli_make_box_lattice(run, &fit, lattice);
+    if (status == BVX_OK) give_fraction_bits(box, lattice);
+    return status;
+}
+
+static int combine_meshes(cli_run *run, boolean_run *b)
+{
+    bvx_boolean_options o;
+    bvx_mesh_view view[2];
+    bvx_lattice lattice;
+    bvx_status status;
+    bvx_boolean_options_init(&o, sizeof o);
+    o.lattice = &lattice;
+    o.position_type = BVX_POSITION_AUTO;
+    o.fill = run->options.fill;
+    if (cli_given(run, "--interpolation")) o.interpolation = run->options.interpolation;
+    if (run->options.sharp || run->options.no_sharp) o.sharp = run->options.sharp;
+    if (run->options.least_part > 0) o.least_part = (uint64_t)run->options.least_part;
+    o.keep_crumbs = cli_given(run, "--least-part");
+    o.report = &b->report;
+    for (int i = 0; i < 2; i++) bvx_mesh_view_of(&b->in[i].mesh, &view[i]);
+    cli_stage_begin(run, "boolean");
+    status = fit_boolean_lattice(run, b, &lattice);
+    if (status == BVX_OK) status = bvx_boolean(run->context, &view[0], &view[1], b->operation, &o, &b->mesh);
+    cli_stage_end(run);
+    if (status != BVX_OK) return fail_boolean(run, b, status);
+    b->few = b->report.few;
+    b->advised = b->report.advised_resolution;
+    b->solid[0] = b->report.solid_a;
+    b->solid[1] = b->report.solid_b;
+    b->voxels[0] = b->report.voxels_a;
+    b->voxels[1] = b->report.voxels_b;
+    run->report.set = b->report.voxels;
+    run->report.lattice = lattice;
+    return CLI_DONE;
+}
+
+/* ---- Grids ---- */
+
+static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *lattice, const bvx_window *window, bvx_solid_report *report)
+{
+    bvx_voxelize_options v;
+    bvx_mesh_view view;
+    bvx_voxelize_options_init(&v, sizeof v);
+    v.fill = run->options.fill;
+    v.window = *window;
+    v.report = report;
+    bvx_mesh_view_of(&in->mesh, &view);
+    return bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
+}
+
+/* Operands that are meshes become grids, on the lattice of the one that is a grid. */
+static bvx_status fill_operands(cli_run *run, boolean_run *b)
+{
+    const cli_input *const with = b->in[0].kind == CLI_GRID ? &b->in[0] : &b->in[1];
+    bvx_window window = {{0, 0, 0}, {0, 0, 0}};
+    bvx_lattice lattice;
+    bvx_status status = BVX_OK;
+    if (with->kind == CLI_GRID) {
+        lattice = with->grid.lattice;
+        memcpy(window.low, with->grid.low, sizeof window.low);
+        memcpy(window.size, with->grid.size, sizeof window.size);
+    } else {
+        status = fit_boolean_lattice(run, b, &lattice);
+    }
+    for (int i = 0; i < 2 && status == BVX_OK; i++)
+        if (b->in[i].kind == CLI_MESH) status = fill_operand(run, &b->in[i], &lattice, &window, &b->solid[i]);
+    return status;
+}
+
+static bvx_status resample_operand(cli_run *run, boolean_run *b)
+{
+    const bvx_grid *const a = &b->in[0].grid;
+    bvx_grid there = {0};
+    bvx_window window;
+    bvx_status status;
+    memcpy(window.low, a->low, sizeof window.low);
+    memcpy(window.size, a->size, sizeof window.size);
+    status = bvx_grid_resample(run->context, &b->in[1].grid, &a->lattice, &window, &there);
+    if (status != BVX_OK) return status;
+    bvx_grid_free(run->context, &b->in[1].grid);
+    b->in[1].grid = there;
+    return BVX_OK;
+}
+
+static int combine_grids(cli_run *run, boolean_run *b)
+{
+    static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
+        bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
+    bvx_extract_options e;
+    bvx_status status;
+    cli_stage_begin(run, "boolean");
+    cli_stage_calls(run, 1 + (b->in[0].kind == CLI_MESH) + (b->in[1].kind == CLI_MESH) + (b->kind == CLI_MESH));
+    status = fill_operands(run, b);
+    if (status == BVX_OK && run->options.resample) status = resample_operand(run, b);
+    for (int i = 0; i < 2 && status == BVX_OK; i++) status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);
+    if (status == BVX_OK) status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
+    if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &run->report.set);
+    bvx_extract_options_init(&e, sizeof e);
+    e.position_type = BVX_POSITION_AUTO;
+    if (status == BVX_OK && b->kind == CLI_MESH) status = bvx_extract_surface(run->context, &b->grid, &e, &b->mesh);
+    cli_stage_end(run);
+    if (status != BVX_OK) return fail_boolean(run, b, status);
+    run->report.lattice = b->grid.lattice;
+    return CLI_DONE;
+}
+
+/* ---- What goes out ---- */
+
+static int check_boolean_mesh(cli_run *run, boolean_run *b)
+{
+    cli_mesh_entry *const entry = &run->report.mesh[0];
+    bvx_mesh_view view;
+    bvx_status status;
+    int result;
+
+    if (b->mesh.triangle_count == 0)
+        return cli_fail(run, "%s and %s: nothing is left by %s, so there is no mesh to write", cli_input_name(b->in[0].path),
+                        cli_input_name(b->in[1].path), operation_names[b->operation]);
+
+    result = cli_reduce(run, &b->mesh, &b->reduction);
+    if (result != CLI_DONE) return result;
+    bvx_mesh_view_of(&b->mesh, &view);
+    cli_stage_begin(run, "check");
+    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, run->options.output);
+    entry->path = run->options.output;
+    run->report.meshes = 1;
+    return CLI_DONE;
+}
+
+static int write_boolean(cli_run *run, boolean_run *b)
+{
+    int status;
+    if (b->kind == CLI_MESH) {
+        status = check_boolean_mesh(run, b);
+        return status == CLI_DONE ? cli_write_mesh(run, &b->mesh) : status;
+    }
+    status = cli_check_grid_format(run, run->options.output, &b->grid.lattice, b->grid.size);
+    return status == CLI_DONE ? cli_write_grid(run, &b->grid) : status;
+}
+
+/* How an input that is a mesh was filled. */
+static void report_operand(cli_run *run, const boolean_run *b, int i)
+{
+    cli_text *const t = &run->report.more;
+    const bvx_solid_report *const r = &b->solid[i];
+    if (!b->is_mesh[i]) return;
+    cli_text_add(t, ", \"%s\": {\"fill\": \"%s\", \"reason\": \"%s\"", i == 0 ? "a" : "b", cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
+    cli_json_count(t, "turned", r->turned);
+    cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
+    cli_json_count(t, "doubles", r->doubles);
+    cli_json_losses(t, &run->report.lattice, r);
+    cli_text_add(t, "}");
+}
+
+static void warn_of_boolean(cli_run *run, const boolean_run *b)
+{
+    static const char *const what[3] = {"A", "B", "the result"};
+    char of[600];
+
+    for (int i = 0; i < 2; i++) {
+        if (!b->is_mesh[i]) continue;
+        if (b->solid[i].unbalanced_rows != 0)
+            cli_warn(run, "%s: %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", cli_input_name(b->in[i].path),
+                     b->solid[i].unbalanced_rows);
+        if (b->solid[i].fill_reason == BVX_FILL_REASON_NESTED)
+            cli_warn(run, "%s: closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero "
+                     "has it solid", cli_input_name(b->in[i].path));
+        snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));
+        cli_warn_of_losses(run, of, &run->report.lattice, &b->solid[i]);
+    }
+    for (int i = 0; i < 2 && !b->by_mesh; i++)
+        if (b->is_mesh[i] && b->voxels[i] == 0) cli_warn(run, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
+    for (int i = 0; i < 3; i++)
+        if ((b->few >> i & 1) != 0)
+            cli_warn(run, "%s has %s voxels at this resolution; --resolution %d shows it", what[i], i < 2 && b->voxels[i] == 0 ? "no" : "few",
+                     (int)b->advised);
+}
+
+static void tell_boolean(cli_run *run, const boolean_run *b)
+{
+    const bvx_certificate *const c = &run->report.mesh[0].certificate;
+    cli_text *const t = &run->report.more;
+    const int32_t *const n = run->report.lattice.dims;
+    cli_text_add(t, ", \"boolean\": {\"operation\": \"%s\"", operation_names[b->operation]);
+    cli_json_count(t, "voxels_a", b->voxels[0]);
+    cli_json_count(t, "voxels_b", b->voxels[1]);
+    cli_json_count(t, "voxels", run->report.set);
+    cli_json_truth(t, "surfaces_kept", b->by_mesh);
+    for (int i = 0; i < 2; i++) report_operand(run, b, i);
+    if (b->by_mesh) {
+        cli_json_truth(t, "sharp", b->report.sharp);
+        cli_json_count(t, "crumbs", b->report.crumbs);
+        cli_json_count(t, "parts_dropped", b->report.parts_dropped);
+    }
+    cli_text_add(t, "}");
+    cli_say(run, "%s of %s and %s -> %s\n", operation_names[b->operation], cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
+            run->options.output);
+    cli_say(run, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
+    cli_say(run, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1], run->report.set);
+    if (b->report.crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n", b->report.crumbs);
+    if (b->report.parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
+    for (int i = 0; i < 2; i++)
+        if (b->is_mesh[i]) cli_say_fill(run, &b->solid[i]);
+    warn_of_boolean(run, b);
+    if (b->kind != CLI_MESH) return;
+    cli_tell_reduction(run, &b->reduction);
+    cli_say(run, "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64 " components, volume %.6g\n", c->triangles,
+            c->vertices, c->closed ? ", closed" : ", OPEN", c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
+            c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
+}
+
+static int run_boolean(cli_run *run)
+{
+    boolean_run b;
+    int status;
+    memset(&b, 0, sizeof b);
+    status = check_boolean_options(run, &b);
+    if (status == CLI_DONE)
+        status = b.kind == CLI_GRID ? cli_open_grid_output(run, run->options.output) : cli_open_output(run, run->options.output);
+    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_read_input(run, run->options.input[1 + i], &b.in[i]);
+    if (status == CLI_DONE) status = b.by_mesh ? combine_meshes(run, &b) : combine_grids(run, &b);
+    if (status == CLI_DONE) run->report.has_lattice = run->report.has_set = 1;
+    if (status == CLI_DONE) status = write_boolean(run, &b);
+    if (status == CLI_DONE) tell_boolean(run, &b);
+    bvx_mesh_free(run->context, &b.mesh);
+    bvx_grid_free(run->context, &b.grid);
+    for (int i = 0; i < 2; i++) cli_free_input(run, &b.in[i]);
+    return status;
+}
+
+const cli_command cli_boolean = {
+    "boolean", CLI_BOOLEAN, 3, 3, "OPERATION A B -o OUT [options]", "union, intersection, difference or xor of two bodies",
+    "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (" CLI_MESHES_READ ", also\n"
+    "with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN "),\n"
+    "its vertices on their surfaces, whatever is wrong with how they meet; what is thinner than a voxel may\n"
+    "be lost. With --triangles or --error the edges of the result collapse. Grids\n"
+    "(" CLI_GRIDS ") of one lattice are combined bit by bit; beside a grid a mesh is\n"
+    "voxelized on its lattice. The result is a mesh or a grid, as the ending of OUT says.",
+    "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"
+    "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"
+    "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx", run_boolean};

@@ -1,0 +1,267 @@
+/* cmd_components.c - bitvox components: the connected parts of a grid, told in a table, kept or dropped, numbered. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PARTS_SAID = 12, PARTS_REPORTED = 1000, LABELS_HEAD = 128 };
+
+typedef struct components_job {
+    cli_input in;
+    int32_t connectivity;
+    int32_t *seeds;
+    bvx_keep_report kept;
+    uint64_t filled;
+    bvx_component *parts; /* of what is left; the largest first once they were told */
+    uint64_t count;
+    bvx_topology topology;
+    uint32_t *labels;
+} components_job;
+
+static const char *labels_of(const cli_run *run)
+{
+    return run->options.labels;
+}
+
+static int check_components_options(cli_run *run)
+{
+    const cli_options *const o = &run->options;
+    int kind, status = cli_input_kind(run, o->input[0], &kind);
+    if (status != CLI_DONE) return status;
+    if (kind == CLI_MESH)
+        return cli_usage(run, "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it", cli_input_name(o->input[0]));
+    if (o->seeds.count % 3 != 0) return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
+    if (labels_of(run) != NULL && bvx_format_of_name(labels_of(run)) != BVX_FORMAT_NPY)
+        return cli_usage(run, "%s: --labels writes .npy", labels_of(run));
+    return o->output != NULL ? cli_check_grid_name(run, o->output) : CLI_DONE;
+}
+
+/* Outputs in this order: the grid and its side-car, the labels and theirs. */
+static int open_components_outputs(cli_run *run)
+{
+    int const status = run->options.output != NULL ? cli_open_grid_output(run, run->options.output) : CLI_DONE;
+    return status == CLI_DONE && labels_of(run) != NULL ? cli_open_grid_output(run, labels_of(run)) : status;
+}
+
+/* ---- what is kept ---- */
+
+static int keep_components(cli_run *run, components_job *job)
+{
+    const cli_list *const list = &run->options.seeds;
+    bvx_keep_options k;
+    bvx_status status;
+    bvx_keep_options_init(&k, sizeof k);
+    k.connectivity = job->connectivity;
+    k.largest = (uint64_t)run->options.keep_largest;
+    k.at_least = (uint64_t)run->options.at_least;
+    k.report = &job->kept;
+    job->seeds = calloc((size_t)list->count + 1, sizeof *job->seeds);
+    if (job->seeds == NULL) return cli_fail(run, "no memory for seeds");
+    for (int i = 0; i < list->count; i++) job->seeds[i] = (int32_t)list->value[i];
+    if (list->count != 0) k.seeds = job->seeds;
+    k.seed_count = (uint64_t)list->count / 3;
+    cli_stage_begin(run, "keep");
+    status = bvx_grid_keep(run->context, &job->in.grid, &k, &job->in.grid);
+    if (status == BVX_OK && run->options.fill_cavities)
+        status = bvx_grid_fill_cavities(run->context, &job->in.grid, 6, 0, &job->in.grid, &job->filled);
+    cli_stage_end(run);
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(job->in.path));
+}
+
+/* ---- what is told of the rest ---- */
+
+static int by_size(const void *a, const void *b)
+{
+    const bvx_component *const p = a, *const q = b;
+    if (p->voxels != q->voxels) return p->voxels > q->voxels ? -1 : 1;
+    return p->first < q->first ? -1 : 1;
+}
+
+/* Parts carry their number as they are sorted. */
+static int list_components(cli_run *run, components_job *job)
+{
+    const bvx_grid *const g = &job->in.grid;
+    bvx_status status;
+    cli_stage_begin(run, "components");
+    status = bvx_grid_components(run->context, g, job->connectivity, NULL, 0, &job->count);
+    if (status == BVX_OK && (job->count >= SIZE_MAX / sizeof *job->parts ||
+                             (job->parts = malloc(((size_t)job->count + 1) * sizeof *job->parts)) == NULL))
+        return cli_fail(run, "no memory for a list of %" PRIu64 " parts", job->count);
+    if (status == BVX_OK) status = bvx_grid_components(run->context, g, job->connectivity, job->parts, job->count, &job->count);
+    if (status == BVX_OK && job->connectivity != 18) status = bvx_grid_topology(run->context, g, job->connectivity, &job->topology);
+    if (status == BVX_OK) status = bvx_grid_count(run->context, g, &run->report.set);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
+    for (uint64_t i = 0; i < job->count; i++) job->parts[i].reserved = i + 1;
+    qsort(job->parts, (size_t)job->count, sizeof *job->parts, by_size);
+    run->report.lattice = g->lattice;
+    run->report.has_lattice = run->report.has_set = 1;
+    return CLI_DONE;
+}
+
+static void first_of(const bvx_grid *g, const bvx_component *p, int32_t v[3])
+{
+    uint64_t const nx = (uint64_t)g->size[0], ny = (uint64_t)g->size[1];
+    v[0] = (int32_t)(p->first % nx);
+    v[1] = (int32_t)(p->first / nx % ny);
+    v[2] = (int32_t)(p->first / nx / ny);
+}
+
+static void say_components(cli_run *run, const components_job *job)
+{
+    const bvx_grid *const g = &job->in.grid;
+    const cli_options *const o = &run->options;
+    if (o->output != NULL) cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), o->output);
+    else cli_say(run, "%s\n", cli_input_name(job->in.path));
+    cli_say_grid(run, g, run->report.set, job->in.placed);
+    if (job->kept.dropped != 0)
+        cli_say(run, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n", job->kept.kept,
+                job->kept.kept + job->kept.dropped, job->kept.voxels_dropped);
+    if (o->fill_cavities) cli_say(run, "  filled      %" PRIu64 " voxels of cavities\n", job->filled);
+    cli_say(run, "  parts       %" PRIu64 ", connectivity %" PRId32 "\n", job->count, job->connectivity);
+    if (job->connectivity != 18)
+        cli_say(run, "  topology    %" PRIu64 " cavities, %" PRId64 " tunnels, Euler number %" PRId64 "\n", job->topology.cavities,
+                job->topology.tunnels, job->topology.euler);
+    if (job->count != 0) cli_say(run, "  %8s %14s %9s   %-18s %s\n", "part", "voxels", "share", "first voxel", "box");
+    for (uint64_t i = 0; i < job->count && i < PARTS_SAID; i++) {
+        const bvx_component *const p = &job->parts[i];
+        char first[48];
+        int32_t v[3];
+        first_of(g, p, v);
+        snprintf(first, sizeof first, "%" PRId32 ",%" PRId32 ",%" PRId32, v[0], v[1], v[2]);
+        cli_say(run, "  %8" PRIu64 " %14" PRIu64 " %8.3f%%   %-18s %" PRId32 " x %" PRId32 " x %" PRId32 " from %" PRId32 ",%" PRId32 ",%" PRId32 "\n",
+                p->reserved, p->voxels, 100.0 * (double)p->voxels / (double)run->report.set, first, p->size[0], p->size[1], p->size[2],
+                p->low[0], p->low[1], p->low[2]);
+    }
+    if (job->count > PARTS_SAID) cli_say(run, "           and %" PRIu64 " more\n", job->count - PARTS_SAID);
+}
+
+static void report_components(cli_run *run, const components_job *job)
+{
+    cli_text *const t = &run->report.more;
+    cli_text_add(t, ", \"components\": {\"connectivity\": %" PRId32, job->connectivity);
+    cli_json_count(t, "count", job->count);
+    cli_json_count(t, "dropped", job->kept.dropped);
+    cli_json_count(t, "voxels_dropped", job->kept.voxels_dropped);
+    cli_json_count(t, "filled", job->filled);
+    if (job->connectivity != 18) {
+        cli_json_count(t, "cavities", job->topology.cavities);
+        cli_text_add(t, ", \"tunnels\": %" PRId64 ", \"euler\": %" PRId64, job->topology.tunnels, job->topology.euler);
+    }
+    cli_text_add(t, ", \"parts\": [");
+    for (uint64_t i = 0; i < job->count && i < PARTS_REPORTED; i++) {
+        const bvx_component *const p = &job->parts[i];
+        int32_t v[3];
+        first_of(&job->in.grid, p, v);
+        cli_text_add(t, "%s{\"number\": %" PRIu64, i != 0 ? ", " : "", p->reserved);
+        cli_json_count(t, "voxels", p->voxels);
+        cli_json_ints(t, "first", v);
+        cli_json_ints(t, "low", p->low);
+        cli_json_ints(t, "size", p->size);
+        cli_text_add(t, "}");
+    }
+    cli_text_add(t, "]}");
+}
+
+/* ---- files ---- */
+
+/* u32, axes x, y, z, x fastest. */
+static size_t labels_head(const bvx_grid *g, unsigned char *head)
+{
+    int const n = snprintf((char *)head + 10, LABELS_HEAD - 10, "{'descr': '<u4', 'fortran_order': True, 'shape': (%" PRId32 ", %" PRId32 ", %" PRId32 "), }",
+                           g->size[0], g->size[1], g->size[2]);
+    memcpy(head, "\x93NUMPY\x01\x00", 8);
+    head[8] = LABELS_HEAD - 10;
+    head[9] = 0;
+    memset(head + 10 + n, ' ', (size_t)(LABELS_HEAD - 11 - n));
+    head[LABELS_HEAD - 1] = '\n';
+    return LABELS_HEAD;
+}
+
+static void store_labels(unsigned char *to, const uint32_t *labels, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++)
+        for (int b = 0; b < 4; b++) to[4 * i + (uint64_t)b] = (unsigned char)(labels[i] >> 8 * b & 0xff);
+}
+
+static int write_labels(cli_run *run, components_job *job, int number)
+{
+    const bvx_grid *const g = &job->in.grid;
+    uint64_t const voxels = (uint64_t)g->size[0] * (uint64_t)g->size[1] * (uint64_t)g->size[2];
+    bvx_buffer file, side_car;
+    bvx_status status;
+    int result;
+    memset(&file, 0, sizeof file);
+    memset(&side_car, 0, sizeof side_car);
+    if (voxels < (SIZE_MAX - LABELS_HEAD) / 4) {
+        job->labels = malloc((size_t)voxels * 4);
+        file.bytes = malloc((size_t)voxels * 4 + LABELS_HEAD);
+    }
+    if (job->labels == NULL || file.bytes == NULL) {
+        free(file.bytes);
+        return cli_fail(run, "no memory for the labels of %" PRIu64 " voxels", voxels);
+    }
+    cli_note_peak(run, voxels * 8);
+    cli_stage_begin(run, "labels");
+    status = bvx_grid_label(run->context, g, job->connectivity, job->labels, voxels, NULL);
+    cli_stage_end(run);
+    if (status == BVX_OK) {
+        file.size = labels_head(g, file.bytes) + voxels * 4;
+        store_labels((unsigned char *)file.bytes + LABELS_HEAD, job->labels, voxels);
+        result = cli_write_output(run, number, &file);
+    } else {
+        result = cli_fail_status(run, status, labels_of(run));
+    }
+    free(file.bytes);
+    if (result != CLI_DONE) return result;
+    status = bvx_write_lattice(run->context, g, &side_car);
+    result = status == BVX_OK ? cli_write_output(run, number + 1, &side_car) : cli_fail_status(run, status, labels_of(run));
+    bvx_buffer_free(run->context, &side_car);
+    return result;
+}
+
+static int write_components(cli_run *run, components_job *job)
+{
+    const char *const output = run->options.output;
+    int const taken = output == NULL ? 0 : cli_needs_sidecar(bvx_format_of_name(output)) ? 2 : 1;
+    int status = labels_of(run) != NULL ? write_labels(run, job, taken) : CLI_DONE;
+    if (status == CLI_DONE && output != NULL) return cli_write_grid(run, &job->in.grid);
+    return status == CLI_DONE && labels_of(run) != NULL ? cli_keep_outputs(run) : status;
+}
+
+static int run_components(cli_run *run)
+{
+    static const int32_t neighbours[3] = {6, 18, 26}; /* by the place of --connectivity among its names */
+    components_job job;
+    int status;
+    memset(&job, 0, sizeof job);
+    job.connectivity = neighbours[run->options.connectivity];
+    status = check_components_options(run);
+    if (status == CLI_DONE) status = open_components_outputs(run);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options.input[0], &job.in);
+    if (status == CLI_DONE && run->options.output != NULL)
+        status = cli_check_grid_format(run, run->options.output, &job.in.grid.lattice, job.in.grid.size);
+    if (status == CLI_DONE) status = keep_components(run, &job);
+    if (status == CLI_DONE) status = list_components(run, &job);
+    if (status == CLI_DONE) status = write_components(run, &job);
+    if (status == CLI_DONE) {
+        say_components(run, &job);
+        report_components(run, &job);
+    }
+    free(job.labels);
+    free(job.parts);
+    free(job.seeds);
+    cli_free_input(run, &job.in);
+    return status;
+}
+
+const cli_command cli_components = {
+    "components", CLI_COMPONENTS, 1, 1, "GRID [-o OUT] [options]", "the connected parts of a grid: listed, kept or dropped, numbered",
+    "Reads a grid (" CLI_GRIDS "), drops the parts that --keep-largest, --at-least and\n"
+    "--seed do not keep, fills cavities where asked, and tells of what is left: the largest parts with\n"
+    "their sizes and boxes, cavities, tunnels and the Euler number. Parts are numbered by their first\n"
+    "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid.",
+    "bitvox voxelize fixtures/knot.ply -o knot.bvx --resolution 64\n"
+    "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy", run_components};

@@ -1,0 +1,151 @@
+/* cmd_refine.c - bitvox refine: voxels of several sizes, the small ones at the surface alone. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+enum { REFINE_BASE = 8, REFINE_LEVELS = 6, REFINE_AUTO = -1 };
+
+/* ---- what is asked for ---- */
+
+/* An octree has been refined: what the options for that would ask is decided. */
+static int check_options_for_tree(cli_run *run)
+{
+    static const char *const for_meshes[] = {"--resolution", "--base", "--halvings", "--outer-levels", "--adaptive"};
+    for (size_t i = 0; i < sizeof for_meshes / sizeof for_meshes[0]; i++)
+        if (cli_given(run, for_meshes[i])) return cli_usage(run, "%s is for meshes; %s is not a mesh", for_meshes[i], cli_input_name(run->options.input[0]));
+    return CLI_DONE;
+}
+
+/* The number of the last level, REFINE_AUTO when it is to be chosen. */
+static int32_t levels_asked_for(const cli_run *run)
+{
+    if (cli_given(run, "--halvings")) return run->options.depth;
+    return run->options.resolution.count != 0 ? REFINE_AUTO : REFINE_LEVELS;
+}
+
+static int check_levels(cli_run *run)
+{
+    const cli_options *const o = &run->options;
+    int32_t const levels = levels_asked_for(run);
+    if (o->resolution.count != 0 && o->base_voxels != 0) return cli_usage(run, "--resolution and --base contradict each other");
+    if (levels == REFINE_AUTO && o->resolution.count == 0) return cli_usage(run, "--halvings auto needs --resolution");
+    if (cli_given(run, "--outer-levels") && o->window.count == 0) return cli_usage(run, "--outer-levels needs --window");
+    if (levels == REFINE_AUTO) return CLI_DONE;
+    if (o->outer_levels > levels)
+        return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32, o->outer_levels, levels);
+    return cli_check_tree_level(run, levels);
+}
+
+static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
+{
+    const char *const path = run->options.input[0];
+    int status = cli_check_tree_output(run, t);
+    if (status == CLI_DONE) status = cli_input_kind(run, path, kind);
+    if (status != CLI_DONE) return status;
+    if (*kind == CLI_GRID && cli_input_format(run, path) != BVX_FORMAT_BVX)
+        return cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
+    if (*kind == CLI_GRID && run->options.window.count != 0 && t->kind != CLI_GRID)
+        return cli_usage(run, "--window of an octree is for grids; %s would be none", run->options.output);
+    status = *kind == CLI_MESH ? check_levels(run) : check_options_for_tree(run);
+    return status == CLI_DONE ? cli_window_option(run, &t->window) : status;
+}
+
+/* ---- the tree ---- */
+
+/* The base, and the levels where they follow from a resolution. */
+static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_options *r, bvx_lattice *base)
+{
+    const cli_options *const o = &run->options;
+    int32_t const levels = levels_asked_for(run);
+    int64_t const finest = o->resolution.count != 0 ? o->resolution.value[0] : 0;
+    if (levels == REFINE_AUTO) return bvx_refine_choose(run->context, view, (int32_t)finest, r, base);
+    r->levels = levels;
+    if (finest != 0) return bvx_lattice_fit(run->context, view, (int32_t)((finest + (INT64_C(1) << levels) - 1) >> levels), base);
+    return bvx_lattice_fit(run->context, view, o->base_voxels != 0 ? o->base_voxels : REFINE_BASE, base);
+}
+
+static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
+{
+    const cli_options *const o = &run->options;
+    const char *const path = cli_input_name(o->input[0]);
+    bvx_refine_options r;
+    bvx_octree *tree = NULL;
+    bvx_mesh_view view;
+    bvx_status status;
+    bvx_mesh_view_of(mesh, &view);
+    bvx_refine_options_init(&r, sizeof r);
+    r.window = t->window;
+    r.outer_levels = o->outer_levels;
+    r.tolerance = o->adaptive;
+    cli_stage_begin(run, "refine");
+    status = make_base(run, &view, &r, &t->base);
+    if (status == BVX_OK) status = bvx_refine(run->context, &view, &t->base, &r, &tree);
+    t->seconds = cli_stage_end(run);
+    t->triangles = mesh->triangle_count;
+    return status == BVX_OK ? cli_take_tree(run, tree, t) : cli_fail_status(run, status, path);
+}
+
+static int read_tree(cli_run *run, cli_tree *t)
+{
+    const char *const path = run->options.input[0];
+    cli_input in;
+    int status = cli_read_grid_or_tree(run, path, NULL, &in);
+    if (status == CLI_DONE && in.kind != CLI_TREE)
+        status = cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
+    if (status == CLI_DONE) {
+        status = cli_take_tree(run, in.tree, t);
+        in.tree = NULL;
+    }
+    cli_free_input(run, &in);
+    return status;
+}
+
+static int make_tree(cli_run *run, int kind, cli_tree *t)
+{
+    bvx_mesh mesh = {0};
+    int status;
+    if (kind == CLI_GRID) return read_tree(run, t);
+    status = cli_read_mesh(run, run->options.input[0], &mesh);
+    if (status == CLI_DONE) status = refine_mesh(run, &mesh, t);
+    bvx_mesh_free(run->context, &mesh);
+    return status;
+}
+
+static void say_refined(cli_run *run, const cli_tree *t)
+{
+    const char *const path = cli_input_name(run->options.input[0]);
+    if (t->triangles == 0) cli_say(run, "%s\n\n", path);
+    else cli_say(run, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles, t->seconds * 1e3);
+    cli_say_levels(run, t);
+    cli_say_tree_output(run, t);
+}
+
+static int run_refine(cli_run *run)
+{
+    cli_tree t;
+    int kind, status;
+    memset(&t, 0, sizeof t);
+    status = check_refine_options(run, &t, &kind);
+    if (status == CLI_DONE) status = cli_open_tree_output(run, &t);
+    if (status == CLI_DONE) status = make_tree(run, kind, &t);
+    if (status == CLI_DONE) status = cli_write_tree(run, &t);
+    if (status == CLI_DONE) {
+        say_refined(run, &t);
+        cli_report_tree(run, &t);
+    }
+    cli_free_tree(run, &t);
+    return status;
+}
+
+const cli_command cli_refine = {
+    "refine", CLI_REFINE, 1, 1, "IN -o OUT [options]", "voxels of several sizes, small ones at the surface alone",
+    "Reads a mesh (" CLI_MESHES_READ ", also with .gz), lays --base voxels over it and halves those that\n"
+    "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the octree\n"
+    "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the voxels\n"
+    "of one level as a grid (.npy .binvox .vox .nrrd .vti, with --expand .bvx), or the last level's surface\n"
+    "as a closed mesh (" CLI_MESHES_WRITTEN "; with --leaves the leaves as boxes), and a table of what\n"
+    "each level holds. With --window only a part is fine, with --adaptive only what is not flat.",
+    "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"
+    "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"
+    "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0", run_refine};

@@ -1,0 +1,135 @@
+/* cmd_simplify.c - bitvox simplify: fewer triangles for a mesh that is manifold, closed or with borders. */
+#include "cli_commands/collapse_run.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What is wrong with a mesh, in a few words and the number that says how much. */
+static void fault_text(const bvx_certificate *c, char *text, size_t room)
+{
+    if (c->boundary_edges != 0)
+        snprintf(text, room, "not closed (%" PRIu64 " edges with one triangle)", c->boundary_edges);
+    else if (c->nonmanifold_edges != 0)
+        snprintf(text, room, "not manifold (%" PRIu64 " edges with three triangles or more)",
+                 c->nonmanifold_edges);
+    else if (c->flipped_edges != 0)
+        snprintf(text, room, "not oriented (%" PRIu64 " edges between flipped triangles)", c->flipped_edges);
+    else if (c->nonmanifold_vertices != 0)
+        snprintf(text, room, "not manifold (%" PRIu64 " vertices where parts touch)",
+                 c->nonmanifold_vertices);
+    else snprintf(text, room, "not closed");
+}
+
+/* With borders allowed the library says what is wrong, and mends what it can. */
+static int borders_of(const cli_run *run)
+{
+    return cli_given(run, "--open") ? run->options.open : BVX_OPEN_KEEP;
+}
+
+static int check_input(cli_run *run, cli_collapse_run *c)
+{
+    const char *const in = cli_input_name(run->options.input[0]);
+    char fault[96];
+    bvx_status status;
+
+    cli_stage_begin(run, "check input");
+    status = bvx_mesh_check(run->context, &c->view, 1, &c->before);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, in);
+    if (cli_is_sound(&c->before) || borders_of(run) != BVX_OPEN_SHELL) return CLI_DONE;
+
+    fault_text(&c->before, fault, sizeof fault);
+    return cli_fail(run,
+                    "%s: the mesh is %s; 'bitvox lod' makes levels of any mesh, 'bitvox repair' a mesh that "
+                    "simplify takes",
+                    in, fault);
+}
+
+static int simplify_input(cli_run *run, cli_collapse_run *c)
+{
+    const cli_options *const o = &run->options;
+    bvx_simplify_options s;
+    bvx_status status;
+
+    bvx_simplify_options_init(&s, sizeof s);
+    if (c->by_error) s.target_errors = c->error;
+    else s.target_triangles = c->target;
+    s.error_kind = o->error_kind;
+    if (cli_given(run, "--even")) s.even = o->even;
+    s.colour_weight = o->colour_weight;
+    s.measure_samples = cli_collapse_samples(run, c);
+    s.strict = o->strict;
+    s.open = borders_of(run);
+    s.reports = c->level;
+
+    cli_stage_begin(run, "level 0");
+    status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
+    c->seconds = cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
+
+    c->surface = c->before;
+    c->source = "mesh";
+    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+}
+
+static void say_head(cli_run *run, const cli_collapse_run *c)
+{
+    cli_say_input(run, c->input.triangle_count, &c->before, c->diagonal);
+    cli_say(run, "%" PRIu64 " piece%s, volume %.6g; edges collapsed in %.1f ms\n\n", c->before.components,
+            c->before.components == 1 ? "" : "s", c->before.volume, c->seconds * 1e3);
+}
+
+/* What the library mends of a mesh that is not oriented, or has triangles twice. */
+static void warn_of_input(cli_run *run, const cli_collapse_run *c)
+{
+    const char *const in = cli_input_name(run->options.input[0]);
+
+    if (c->before.duplicates != 0)
+        cli_warn(run, "%s: %" PRIu64 " triangle%s there twice: counted once", in, c->before.duplicates,
+                 c->before.duplicates == 1 ? " is" : "s are");
+    if (c->before.flipped_edges != 0)
+        cli_warn(run, "%s: at %" PRIu64 " edge%s neighbours faced opposite ways: the fewer triangles of each patch were turned", in,
+                 c->before.flipped_edges, c->before.flipped_edges == 1 ? "" : "s");
+}
+
+static int run_simplify(cli_run *run)
+{
+    static cli_collapse_run c; /* the report points into it until the program ends */
+    int kind, status = cli_input_kind(run, run->options.input[0], &kind);
+
+    memset(&c, 0, sizeof c);
+
+    if (status == CLI_DONE && kind != CLI_MESH)
+        status = cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",
+                           cli_input_name(run->options.input[0]));
+    c.usual_count = 1;
+    if (status == CLI_DONE) status = cli_check_collapse(run, &c);
+    if (status == CLI_DONE) status = cli_open_collapse(run, &c);
+    if (status == CLI_DONE) status = check_input(run, &c);
+    if (status == CLI_DONE) status = simplify_input(run, &c);
+    if (status == CLI_DONE) status = cli_finish_collapse(run, &c, say_head);
+    if (status == CLI_DONE) warn_of_input(run, &c);
+    cli_free_collapse(run, &c);
+    return status;
+}
+
+const cli_command cli_simplify = {
+    .name = "simplify",
+    .bit = CLI_SIMPLIFY,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT [options]",
+    .does = "fewer triangles for a manifold mesh, by count or by error",
+    .details = "Reads a mesh (" CLI_MESHES_READ ", also with .gz) that is manifold, collapses the edges that cost\n"
+               "least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
+               "as --error allows (" CLI_MESHES_WRITTEN "). No collapse joins what is apart, turns a triangle,\n"
+               "makes two cross or crumples thin parts; a target below what that allows gives the smallest mesh\n"
+               "that keeps it, marked NOT MET. A closed mesh stays closed; an open one keeps its borders, unless\n"
+               "--open says otherwise. Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one\n"
+               ".glb holds all.\n"
+               "For any other mesh take lod.",
+    .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
+               "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",
+    .run = run_simplify,
+};

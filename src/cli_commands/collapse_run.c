@@ -1,0 +1,295 @@
+/* collapse_run.c - a chain of levels that edges collapse to: targets by options, distances, warnings, files.
+ *
+ * The library makes the whole chain in one call, which is the stage "level 0"; distances are measured
+ * afterwards, one stage a level. */
+#include "cli_commands/collapse_run.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    DEFAULT_SAMPLES = 20000,
+    DISTANCE_SEED = 1,
+    USUAL_LEVELS = 4,
+    LEAST_USUAL = 20,   /* triangles of a level that nobody asked for */
+    LEAST_TRIANGLES = 4 /* of any closed mesh */
+};
+
+#define VOLUME_CHANGE 0.05 /* of the volume, from which on it is warned of */
+
+/* ---- Options ---- */
+
+int cli_check_collapse(cli_run *run, cli_collapse_run *c)
+{
+    const cli_options *const o = &run->options;
+    int const ways = (o->triangles.count != 0) + (o->errors.count != 0) + (o->count != 0);
+
+    if (ways > 1)
+        return cli_usage(run, "%s and %s exclude each other",
+                         o->triangles.count != 0 ? "--triangles" : "--error",
+                         o->triangles.count != 0 && o->errors.count != 0 ? "--error" : "--count");
+    if (cli_given(run, "--error-kind") && o->errors.count == 0)
+        return cli_usage(run, "--error-kind needs --error");
+
+    c->by_error = o->errors.count != 0;
+    c->count = ways == 0 ? c->usual_count : o->triangles.count + o->errors.count + o->count;
+    if (cli_check_mesh_name(run, o->output) != CLI_DONE || cli_check_carry_name(run) != CLI_DONE ||
+        cli_check_normals(run) != CLI_DONE)
+        return CLI_USAGE;
+    if (cli_given(run, "--colour-weight") && !run->options.carry)
+        return cli_usage(run, "--colour-weight needs --carry, which gives the levels the colours");
+    return cli_check_level_names(run, c->count);
+}
+
+/* ---- The input ---- */
+
+/* 1/2, 1/4 ... as long as that leaves a mesh that is worth a file; one in any case. */
+static int usual_count(uint64_t triangles)
+{
+    int count = 1;
+
+    while (count < USUAL_LEVELS && triangles >> (count + 1) >= LEAST_USUAL) count++;
+    return count;
+}
+
+static void choose_targets(const cli_run *run, cli_collapse_run *c)
+{
+    const cli_options *const o = &run->options;
+
+    for (int i = 0; i < c->count; i++) {
+        uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
+
+        if (c->by_error)
+            c->error[i] = o->errors.value[i] * (o->errors.percent[i] ? c->diagonal / 100.0 : 1.0);
+        else if (o->triangles.count != 0) c->target[i] = (uint64_t)o->triangles.value[i];
+        else c->target[i] = halved > LEAST_TRIANGLES ? halved : LEAST_TRIANGLES;
+    }
+}
+
+static int check_colour_weight(cli_run *run, const bvx_mesh *mesh)
+{
+    if (!cli_given(run, "--colour-weight") || mesh->colours != NULL) return CLI_DONE;
+    return cli_usage(run, "%s has no colours that --colour-weight could count", cli_input_name(run->options.input[0]));
+}
+
+int cli_open_collapse(cli_run *run, cli_collapse_run *c)
+{
+    int const known = c->count != 0;
+    cli_box box;
+    int status = known ? cli_open_levels(run, c->count, c->path) : CLI_DONE;
+
+    if (status == CLI_DONE) status = cli_read_mesh(run, run->options.input[0], &c->input);
+    if (status == CLI_DONE) status = cli_check_carry(run, &c->input);
+    if (status == CLI_DONE) status = check_colour_weight(run, &c->input);
+    if (status != CLI_DONE) return status;
+
+    bvx_mesh_view_of(&c->input, &c->view);
+    cli_mesh_box(&c->input, &box);
+    c->diagonal = cli_diagonal(box.low, box.high);
+    if (c->by_error && !(c->diagonal > 0.0 && c->diagonal - c->diagonal == 0.0))
+        return cli_fail(run, "%s: a diagonal of %g leaves nothing to measure --error by",
+                        cli_input_name(run->options.input[0]), c->diagonal);
+
+    if (!known) c->count = usual_count(c->input.triangle_count);
+    choose_targets(run, c);
+    run->progress.made = 1; /* one call makes all */
+    run->progress.measured = c->count;
+    return known ? CLI_DONE : cli_open_levels(run, c->count, c->path);
+}
+
+/* ---- Distances ---- */
+
+static uint64_t wanted_samples(const cli_run *run)
+{
+    return run->options.samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options.samples;
+}
+
+/* A level by its error is measured while it is looked for, so that the distances
+ * told are those that decided. */
+uint64_t cli_collapse_samples(const cli_run *run, const cli_collapse_run *c)
+{
+    return c->by_error ? wanted_samples(run) : 0;
+}
+
+/* The library measures from the input to the level, the report from the level to the input. */
+static void turn_distance(const bvx_distance_report *from, bvx_distance_report *to)
+{
+    *to = *from;
+    to->mean_a_to_b = from->mean_b_to_a;
+    to->max_a_to_b = from->max_b_to_a;
+    to->normal_a_to_b = from->normal_b_to_a;
+    to->mean_b_to_a = from->mean_a_to_b;
+    to->max_b_to_a = from->max_a_to_b;
+    to->normal_b_to_a = from->normal_a_to_b;
+}
+
+static int measure_level(cli_run *run, cli_collapse_run *c, int i)
+{
+    uint64_t const samples = wanted_samples(run);
+    bvx_distance_report d;
+    bvx_mesh_view view;
+    bvx_status status;
+
+    if (c->level[i].measured) {
+        turn_distance(&c->level[i].distance, &c->distance[i]);
+    } else {
+        if (samples == 0) return CLI_DONE;
+        bvx_mesh_view_of(&c->mesh[i], &view);
+        cli_stage_begin(run, "distance %d", i);
+        status = bvx_mesh_distance(run->context, &c->view, &view, samples, DISTANCE_SEED, &d);
+        cli_stage_end(run);
+        if (status != BVX_OK) return cli_fail_status(run, status, c->path[i]);
+        turn_distance(&d, &c->distance[i]);
+    }
+    run->report.mesh[i].distance = &c->distance[i];
+    return CLI_DONE;
+}
+
+/* ---- Levels ---- */
+
+static int carry_level(cli_run *run, cli_collapse_run *c, int i)
+{
+    bvx_status status;
+
+    if (!run->options.carry) return CLI_DONE;
+    cli_stage_begin(run, "carry %d", i);
+    status = bvx_mesh_carry(run->context, &c->input, &c->mesh[i]);
+    cli_stage_end(run);
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, c->path[i]);
+}
+
+static void report_level(cli_run *run, cli_collapse_run *c, int i)
+{
+    cli_mesh_entry *const entry = &run->report.mesh[i];
+
+    entry->path = c->path[i];
+    entry->certificate = c->level[i].certificate;
+    entry->level = &c->level[i];
+    entry->source = c->source;
+    entry->colours = c->mesh[i].colours != NULL;
+    entry->uvs = c->mesh[i].uvs != NULL;
+    entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
+    run->report.meshes = i + 1;
+}
+
+/* ---- Warnings ---- */
+
+/* The share by which a volume differs from another, whichever way both are turned. */
+static double volume_change(double volume, double from)
+{
+    return fabs(from) > 0.0 ? fabs(volume) / fabs(from) - 1.0 : 0.0;
+}
+
+static void warn_of_volume(cli_run *run, const char *what, double change, const char *why)
+{
+    if (fabs(change) > VOLUME_CHANGE)
+        cli_warn(run, "%s has %.3g %% %s volume than the input%s", what, 100.0 * fabs(change),
+                 change < 0.0 ? "less" : "more", why);
+}
+
+/* What a lattice too coarse for the input does to it. Where the input is no body its parts may join, but not
+ * become more, and its volume means nothing. */
+static void warn_of_surface(cli_run *run, const cli_collapse_run *c)
+{
+    const bvx_certificate *const in = &c->before, *const s = &c->surface;
+
+    if (c->crumbs != 0)
+        cli_warn(run,
+                 "%" PRIu64 " crumb%s of the measured surface %s dropped: what is thinner than a voxel broke, "
+                 "and a larger --resolution keeps more of it",
+                 c->crumbs, c->crumbs == 1 ? "" : "s", c->crumbs == 1 ? "was" : "were");
+    if (s->components > in->components)
+        cli_warn(run,
+                 "the measured surface has %" PRIu64 " pieces, the input %" PRIu64
+                 ": what is thinner than a voxel broke, and a larger --resolution keeps more of it",
+                 s->components, in->components);
+    else if (cli_is_sound(in) && s->components < in->components)
+        cli_warn(run,
+                 "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64
+                 ": parts that touch became one, and what is thinner than a voxel may be lost",
+                 s->components, s->components == 1 ? "" : "s", in->components);
+    if (in->closed && in->oriented) {
+        double const change = volume_change(s->volume, in->volume);
+
+        warn_of_volume(run, "the measured surface", change,
+                       change < 0.0 ? ": parts that overlap count once in it, and what is thinner than a "
+                                      "voxel may be lost"
+                                    : ": sheets became shells, or cavities are filled");
+    }
+}
+
+/* Handles never close, so many of them are what a level sticks at. */
+static void warn_of_count(cli_run *run, const bvx_level_report *l, const char *what)
+{
+    int64_t const handles = (int64_t)l->certificate.components - l->certificate.euler / 2;
+    char kept[64] = "";
+
+    if (handles > 0 && l->certificate.closed)
+        snprintf(kept, sizeof kept, " with its %" PRId64 " handle%s", handles, handles == 1 ? "" : "s");
+    cli_warn(run,
+             "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64
+             " are the fewest that collapsing edges leaves sound%s",
+             what, l->target, l->triangles, kept);
+}
+
+static void warn_of_level(cli_run *run, const cli_collapse_run *c, int i)
+{
+    const bvx_level_report *const l = &c->level[i];
+    const bvx_certificate *const in = &c->before, *const s = &c->surface;
+    double const of_surface = volume_change(l->certificate.volume, s->volume);
+    char what[32];
+
+    snprintf(what, sizeof what, "level %d", i);
+    if (l->certificate.components != s->components)
+        cli_warn(run, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,
+                 l->certificate.components, l->certificate.components == 1 ? "" : "s", s->components);
+    if (in->closed && in->oriented && fabs(of_surface) > VOLUME_CHANGE)
+        warn_of_volume(run, what, volume_change(l->certificate.volume, in->volume), "");
+
+    if (l->crossings != 0)
+        cli_warn(run,
+                 "%" PRIu64 " pairs of triangles of %s cross, since the mesh crosses itself; 'bitvox lod' "
+                 "makes levels that do not",
+                 l->crossings, what);
+    if (l->met) return;
+    if (c->by_error)
+        cli_warn(run, "%s cannot keep its target: what it is made from lies further than %.4g from the input",
+                 what, l->target_error);
+    else
+        warn_of_count(run, l, what);
+}
+
+/* ---- The end ---- */
+
+int cli_finish_collapse(cli_run *run, cli_collapse_run *c,
+                        void (*head)(cli_run *run, const cli_collapse_run *c))
+{
+    int status = CLI_DONE;
+
+    for (int i = 0; i < c->count && status == CLI_DONE; i++) {
+        status = carry_level(run, c, i);
+        if (status == CLI_DONE) report_level(run, c, i);
+    }
+    for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
+    if (status == CLI_DONE) status = cli_write_levels(run, c->mesh, c->count, c->path);
+    if (status != CLI_DONE) return status;
+
+    if (run->options.carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
+    if (strcmp(c->source, "measured") == 0) warn_of_surface(run, c);
+    for (int i = 0; i < c->count; i++) warn_of_level(run, c, i);
+
+    head(run, c);
+    cli_say_collapsed(run, c->count, c->diagonal);
+    cli_say_distances(run, c->count, c->diagonal, 4, "", "mesh");
+    cli_say_written(run, c->count);
+    return CLI_DONE;
+}
+
+void cli_free_collapse(cli_run *run, cli_collapse_run *c)
+{
+    for (int i = 0; i < c->count; i++) bvx_mesh_free(run->context, &c->mesh[i]);
+    bvx_mesh_free(run->context, &c->input);
+}

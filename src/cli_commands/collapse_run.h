@@ -1,0 +1,40 @@
+/* collapse_run.h - a chain of levels that edges collapse to, while it is made: what lod and simplify share.
+ */
+#ifndef BVX_CLI_COLLAPSE_RUN_H
+#define BVX_CLI_COLLAPSE_RUN_H
+
+#include "cli_shell/cli.h"
+
+typedef struct cli_collapse_run {
+    bvx_mesh input;
+    bvx_mesh_view view;
+    bvx_certificate before;  /* of the input, vertices at equal positions taken as one */
+    bvx_certificate surface; /* of what the levels were made from */
+    uint64_t crumbs;         /* small pieces that a measured surface had beyond the input's, dropped */
+    const char *source;      /* what that is: "mesh" or "measured" */
+    double diagonal;         /* of the input */
+    int usual_count;         /* levels where none are asked for; 0: by the input's triangles */
+    int count;               /* levels; 0: not yet known */
+    int by_error;
+    uint64_t target[CLI_MAX_LEVELS];
+    double error[CLI_MAX_LEVELS]; /* [Units: world] */
+    bvx_mesh mesh[CLI_MAX_LEVELS];
+    char *path[CLI_MAX_LEVELS]; /* one for all where they go into one file */
+    bvx_level_report level[CLI_MAX_LEVELS];
+    bvx_distance_report distance[CLI_MAX_LEVELS];
+    double seconds; /* that making all of them took */
+} cli_collapse_run;
+
+/* Refuse contradictions among targets and names of outputs; count is known where options say it. */
+int cli_check_collapse(cli_run *run, cli_collapse_run *c);
+/* Read the input, choose the targets, open the outputs. */
+int cli_open_collapse(cli_run *run, cli_collapse_run *c);
+/* Points a side that the library shall measure each level with. */
+uint64_t cli_collapse_samples(const cli_run *run, const cli_collapse_run *c);
+/* With levels, their reports, before, surface, source and seconds there: carry, measure, warn, write, tell.
+ * head says the first lines. */
+int cli_finish_collapse(cli_run *run, cli_collapse_run *c,
+                        void (*head)(cli_run *run, const cli_collapse_run *c));
+void cli_free_collapse(cli_run *run, cli_collapse_run *c);
+
+#endif

@@ -1,0 +1,248 @@
+/* lod_collapse.c - bitvox lod, --method collapse: levels of any mesh by bvx_build_levels, and why they were
+ * made from what. */
+#include "cli_commands/lod_collapse.h"
+#include "cli_commands/collapse_run.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+typedef struct lod_collapse {
+    cli_collapse_run run;
+    bvx_levels_report report;
+} lod_collapse;
+
+static const char *given_of(const cli_run *run, const char *const *names)
+{
+    for (int i = 0; names[i] != NULL; i++)
+        if (cli_given(run, names[i])) return names[i];
+    return NULL;
+}
+
+/* ---- Options ---- */
+
+static int check_measured_options(cli_run *run)
+{
+    static const char *const of_volumes[] = {
+        "--level",       "--range",      "--label", "--below",      "--shape",
+        "--sample-type", "--big-endian", "--skip",  "--voxel-size", NULL};
+    static const char *const of_measured[] = {"--resolution",   "--sign",       "--least-part",
+                                              "--least-cavity", "--outer-hull", "--sharp",
+                                              "--no-sharp",     "--shell",      NULL};
+    const cli_options *const o = &run->options;
+    const char *const volume = given_of(run, of_volumes), *const measured = given_of(run, of_measured);
+
+    if (volume != NULL)
+        return cli_usage(run, "%s is for volumes; %s is a mesh", volume, cli_input_name(o->input[0]));
+    if (o->source == BVX_LEVELS_MESH && measured != NULL)
+        return cli_usage(run, "%s is for a measured surface, and --source mesh measures none", measured);
+    if (o->open != BVX_OPEN_SHELL && (o->source == BVX_LEVELS_MEASURED || measured != NULL))
+        return cli_usage(run, "--open %s keeps borders, and a measured surface (%s) has none",
+                         o->open == BVX_OPEN_KEEP ? "keep" : "cut",
+                         measured != NULL ? measured : "--source measured");
+    if (cli_check_sharp(run) != CLI_DONE) return CLI_USAGE;
+    if (o->outer_hull && cli_given(run, "--least-cavity"))
+        return cli_usage(run, "--outer-hull fills every cavity; --least-cavity has no use beside it");
+    if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
+        return cli_usage(run, "--resolution %" PRId64 " is more than the %d that a surface is measured with",
+                         o->resolution.value[0], 1 << 24);
+    return CLI_DONE;
+}
+
+static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_options *b)
+{
+    const cli_options *const o = &run->options;
+
+    bvx_levels_options_init(b, sizeof *b);
+    if (l->run.by_error) b->target_errors = l->run.error;
+    else b->target_triangles = l->run.target;
+    b->error_kind = o->error_kind;
+    if (cli_given(run, "--even")) b->even = o->even;
+    b->colour_weight = o->colour_weight;
+    b->measure_samples = cli_collapse_samples(run, &l->run);
+    b->strict = o->strict;
+    b->source = o->source;
+    b->open = o->open;
+
+    if (o->resolution.count != 0) b->resolution = (int32_t)o->resolution.value[0];
+    b->sign = o->sign;
+    if (o->sharp || o->no_sharp) b->sharp = o->sharp;
+    b->outer = o->outer_hull;
+    if (cli_given(run, "--shell")) b->shell = o->shell;
+    b->least_part = (uint64_t)o->least_part;
+    b->least_cavity = (uint64_t)o->least_cavity;
+    b->report = &l->report;
+    b->reports = l->run.level;
+}
+
+/* ---- Levels ---- */
+
+/* Borders that were to be kept, and why they are not. */
+static void warn_of_sheets(cli_run *run, const lod_collapse *l)
+{
+    const bvx_levels_report *const r = &l->report;
+    const double *const a = r->refused_edge[0], *const b = r->refused_edge[1];
+
+    if (run->options.open == BVX_OPEN_SHELL || r->refused_edges == 0) return;
+    if (run->options.open == BVX_OPEN_CUT)
+        cli_warn(run, "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut",
+                 r->refused_edges, r->refused_edges == 1 ? "" : "s", r->refused_edges == 1 ? "was" : "were");
+    else
+        cli_warn(run,
+                 "sheets became shells: %" PRIu64 " edge%s three triangles or more, or some that cannot agree, the "
+                 "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --open cut cuts there",
+                 r->refused_edges, r->refused_edges == 1 ? " has" : "s have", a[0], a[1], a[2], b[0], b[1], b[2]);
+}
+
+static void warn_of_lowered(cli_run *run, const lod_collapse *l)
+{
+    if (l->report.reason == BVX_MEASURED_MEMORY)
+        cli_warn(run,
+                 "the mesh itself exceeds the memory limit: its surface was measured with %" PRId32
+                 " voxels along the longest axis, and finer detail is lost; a larger --memory-limit keeps it",
+                 l->report.resolution);
+    else if (l->report.resolution < l->report.planned_resolution)
+        cli_warn(run,
+                 "the memory limit lowered the resolution from %" PRId32 " to %" PRId32 " voxels along the longest axis; a larger "
+                 "--memory-limit keeps more detail",
+                 l->report.planned_resolution, l->report.resolution);
+}
+
+static int is_measured(const lod_collapse *l)
+{
+    return l->report.source == BVX_LEVELS_MEASURED;
+}
+
+static int build_levels(cli_run *run, lod_collapse *l)
+{
+    cli_collapse_run *const c = &l->run;
+    bvx_levels_options b;
+    bvx_status status;
+
+    take_levels_options(run, l, &b);
+    cli_stage_begin(run, "level 0");
+    status = bvx_build_levels(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
+    c->seconds = cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+
+    c->before = l->report.before;
+    c->surface = is_measured(l) ? l->report.repair.after : l->report.before;
+    c->surface.triangles = l->report.triangles;
+    c->surface.components -= l->report.crumbs - l->report.repair.crumbs; /* the solid's are not in its surface */
+    c->crumbs = l->report.crumbs;
+    c->source = is_measured(l) ? "measured" : "mesh";
+    if (is_measured(l)) {
+        run->report.lattice = l->report.repair.lattice;
+        run->report.has_lattice = 1;
+    }
+    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+}
+
+/* ---- What is told ---- */
+
+/* Why the surface was measured. */
+static const char *reason_of(const cli_run *run, const lod_collapse *l)
+{
+    static const char *const reason[] = {"", "as options ask", "since it is open", "since it is not manifold",
+                                         "since some of its triangles are flipped", "since it has triangles without area",
+                                         "since it is a scan much finer than its levels", "since it and its levels cross themselves",
+                                         "since the mesh itself exceeds the memory limit"};
+
+    return run->options.source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
+}
+
+static void say_lod_head(cli_run *run, const cli_collapse_run *c)
+{
+    const lod_collapse *const l = (const lod_collapse *)c; /* its first member */
+    const bvx_repair_report *const r = &l->report.repair;
+    const bvx_lattice *const b = &r->lattice;
+
+    cli_say_input(run, c->input.triangle_count, &c->before, c->diagonal);
+    if (!is_measured(l)) {
+        cli_say(run, "levels from the mesh itself, %" PRIu64 " piece%s, in %.1f ms\n\n", c->before.components,
+                c->before.components == 1 ? "" : "s", c->seconds * 1e3);
+        return;
+    }
+
+    cli_say(run, "levels from its measured surface, %s, in %.1f ms\n", reason_of(run, l), c->seconds * 1e3);
+    cli_say(run,
+            "measured: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, inside by %s; %" PRIu64
+            " triangles, %" PRIu64 " piece%s\n",
+            b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
+            c->surface.components, c->surface.components == 1 ? "" : "s");
+    if (r->holes != 0)
+        cli_say(run, "holes closed: %" PRIu64 ", the longest %.3g around\n", r->holes, r->longest_hole);
+    if (r->shelled)
+        cli_say(run, "made into shells: %" PRIu64 " triangles that enclose nothing\n", r->shelled_triangles);
+    if (r->thin_voxels != 0)
+        cli_say(run, "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
+                r->thin_kept ? "kept" : "left as the voxels have them, since keeping them would make handles", r->thin_voxels,
+                r->thin_components, r->thin_components == 1 ? "" : "s");
+    if (l->report.crossings != 0)
+        cli_say(run, "crossings: %" PRIu64 " pairs of the input's triangles\n", l->report.crossings);
+    if (c->crumbs != 0)
+        cli_say(run, "dropped: %" PRIu64 " crumb%s that no piece of the input stands for\n", c->crumbs,
+                c->crumbs == 1 ? "" : "s");
+    if (r->parts_dropped != 0)
+        cli_say(run, "dropped: %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
+                r->parts_dropped + r->parts_kept);
+    if (r->cavities_dropped != 0)
+        cli_say(run, "filled: %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
+                r->cavities_dropped + r->cavities_kept);
+    cli_say(run, "\n");
+}
+
+static void report_levels(cli_run *run, const lod_collapse *l)
+{
+    cli_text *const t = &run->report.more;
+
+    cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"source\": \"%s\", \"reason\": \"%s\"",
+                 l->run.source, is_measured(l) ? reason_of(run, l) : "");
+    cli_json_count(t, "input_triangles", l->run.input.triangle_count);
+    cli_json_count(t, "input_components", l->report.before.components);
+    cli_json_value(t, "input_volume", l->report.before.volume);
+    cli_json_count(t, "input_crossings", l->report.crossings);
+    cli_json_count(t, "input_border_edges", l->report.before.boundary_edges);
+    cli_json_count(t, "doubles", l->report.doubles);
+    cli_json_count(t, "turned", l->report.turned);
+    cli_json_count(t, "refused_edges", l->report.refused_edges);
+    cli_json_count(t, "crumbs", l->report.crumbs);
+    cli_json_count(t, "resolution", (uint64_t)l->report.resolution);
+    cli_json_count(t, "planned_resolution", (uint64_t)l->report.planned_resolution);
+    cli_json_count(t, "surface_triangles", l->report.triangles);
+    cli_json_count(t, "surface_components", l->run.surface.components);
+    cli_json_value(t, "diagonal", l->run.diagonal);
+    cli_json_value(t, "milliseconds", l->run.seconds * 1e3);
+    cli_text_add(t, "}");
+    if (is_measured(l)) cli_report_repair(run, &l->report.repair, 0);
+}
+
+static void warn_of_unused(cli_run *run, const lod_collapse *l)
+{
+    static const char *const of_measured[] = {"--sharp", "--no-sharp", "--shell", NULL};
+    const char *const unused = given_of(run, of_measured);
+
+    if (unused != NULL && !is_measured(l))
+        cli_warn(run,
+                 "%s had no use: the levels were made from the mesh itself; --source measured measures its "
+                 "surface",
+                 unused);
+}
+
+int cli_lod_by_collapse(cli_run *run)
+{
+    static lod_collapse l; /* zeroed; the report points into it until the program ends */
+    int status = check_measured_options(run);
+
+    if (status == CLI_DONE) status = cli_check_collapse(run, &l.run);
+    if (status == CLI_DONE) status = cli_open_collapse(run, &l.run);
+    if (status == CLI_DONE) status = build_levels(run, &l);
+    if (status == CLI_DONE) status = cli_finish_collapse(run, &l.run, say_lod_head);
+    if (status == CLI_DONE) {
+        warn_of_unused(run, &l);
+        warn_of_sheets(run, &l);
+        warn_of_lowered(run, &l);
+        report_levels(run, &l);
+    }
+    cli_free_collapse(run, &l.run);
+    return status;
+}

@@ -1,0 +1,146 @@
+/* lod_input.c - what a chain of levels is made from: the solid of a mesh, at a resolution that suits its levels, or a grid
+ * as it is, whose own surface then stands for the mesh. */
+#include "cli_commands/lod_chain.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+/* Samples along the longest axis. A small grid gives smaller levels than usual, since none can be finer than it. */
+int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
+{
+    int32_t const finest = c->kind == CLI_GRID && c->resolution < 64 ? c->resolution : 64, usual = finest >> level;
+    return run->options.levels.count != 0 ? (int32_t)run->options.levels.value[level] : usual > 0 ? usual : 1;
+}
+
+/* ---- the solid ---- */
+
+static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_lattice *lattice)
+{
+    bvx_lattice_options o;
+    bvx_lattice_options_init(&o, sizeof o);
+    o.resolution = resolution;
+    o.padding = run->options.padding;
+    return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
+}
+
+/* The resolution of the solid: given, or what suits the levels. */
+static int choose_resolution(cli_run *run, cli_chain *c)
+{
+    const cli_options *const options = &run->options;
+    int32_t resolutions[CLI_MAX_LEVELS], limited;
+    uint64_t targets[CLI_MAX_LEVELS];
+    bvx_lod_options o;
+    bvx_status status;
+
+    if (options->resolution.count != 0) {
+        c->resolution = (int32_t)options->resolution.value[0];
+        c->chosen = "given";
+        return CLI_DONE;
+    }
+
+    bvx_lod_options_init(&o, sizeof o);
+    o.collapse = options->collapse;
+    if (c->by_triangles) o.target_triangles = targets;
+    else o.resolutions = resolutions;
+    for (int i = 0; i < c->count; i++) {
+        if (c->by_triangles) targets[i] = (uint64_t)options->triangles.value[i];
+        else resolutions[i] = cli_level_resolution(run, c, i);
+    }
+
+    status = bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->count, options->padding, &c->resolution, &limited);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(options->input[0]));
+    c->chosen = limited ? "what memory allows" : "8 x the finest level";
+    return CLI_DONE;
+}
+
+static int count_solid(cli_run *run, const cli_chain *c)
+{
+    bvx_grid_count(run->context, &c->solid, &run->report.set);
+    run->report.has_set = 1;
+    if (run->report.set != 0) return CLI_DONE;
+    return cli_fail(run, c->kind == CLI_GRID ? "%s: no voxel is set; nothing is there to make levels of"
+                                             : "%s: no voxel's centre lies inside the mesh; nothing is left to make levels of",
+                    cli_input_name(run->options.input[0]));
+}
+
+static int make_solid(cli_run *run, cli_chain *c)
+{
+    const char *const path = cli_input_name(run->options.input[0]);
+    bvx_voxelize_options v;
+    bvx_status status;
+    int result;
+    cli_stage_begin(run, "check input");
+    status = bvx_mesh_check(run->context, &c->view, 1, &c->certificate); /* the solid asks for places, not for numbers */
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    c->diagonal = cli_diagonal(c->certificate.low, c->certificate.high);
+    if (choose_resolution(run, c) != CLI_DONE) return CLI_FAILED;
+    cli_stage_begin(run, "voxelize");
+    status = fit(run, c, c->resolution, &run->report.lattice);
+    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    run->report.has_lattice = 1;
+    bvx_voxelize_options_init(&v, sizeof v);
+    cli_take_fill(run, &v);
+    v.report = &c->solid_report;
+    status = bvx_voxelize_solid(run->context, &c->view, &run->report.lattice, &v, &c->solid);
+    c->solid_seconds = cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    result = count_solid(run, c);
+    if (result == CLI_DONE) cli_warn_of_solid(run, &c->solid, &c->solid_report);
+    return result;
+}
+
+static int open_mesh(cli_run *run, cli_chain *c)
+{
+    int const status = cli_read_mesh(run, run->options.input[0], &c->input);
+    if (status != CLI_DONE) return status;
+    if (cli_check_carry(run, &c->input) != CLI_DONE) return CLI_USAGE;
+    c->input_triangles = c->input.triangle_count;
+    bvx_mesh_view_of(&c->input, &c->view);
+    return make_solid(run, c);
+}
+
+/* The surface of all voxels; only its count where nothing is measured. */
+static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
+{
+    bvx_extract_options e;
+    uint64_t vertices;
+    bvx_status status;
+    bvx_extract_options_init(&e, sizeof e);
+    e.position_type = BVX_POSITION_AUTO;
+    if (run->options.samples == 0)
+        return bvx_extract_count(run->context, &c->solid, &e, &vertices, &c->input_triangles);
+    status = bvx_extract_surface(run->context, &c->solid, &e, &c->input);
+    c->input_triangles = c->input.triangle_count;
+    return status;
+}
+
+static int open_grid(cli_run *run, cli_chain *c)
+{
+    const char *const path = run->options.input[0];
+    double low[3], high[3];
+    int placed, result = cli_read_grid(run, path, NULL, &c->solid, &placed);
+    bvx_status status;
+    if (result != CLI_DONE) return result;
+    run->report.lattice = c->solid.lattice;
+    run->report.has_lattice = 1;
+    for (int a = 0; a < 3; a++) {
+        c->resolution = c->solid.size[a] > c->resolution ? c->solid.size[a] : c->resolution;
+        low[a] = c->solid.low[a] * c->solid.lattice.spacing[a];
+        high[a] = low[a] + c->solid.size[a] * c->solid.lattice.spacing[a];
+    }
+    c->diagonal = cli_diagonal(low, high);
+    result = count_solid(run, c);
+    if (result != CLI_DONE) return result;
+    cli_stage_begin(run, "surface");
+    status = surface_of_solid(run, c);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(path));
+    bvx_mesh_view_of(&c->input, &c->view);
+    return CLI_DONE;
+}
+
+int cli_open_chain(cli_run *run, cli_chain *c)
+{
+    return c->kind == CLI_GRID ? open_grid(run, c) : open_mesh(run, c);
+}

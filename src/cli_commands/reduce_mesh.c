@@ -1,0 +1,89 @@
+/* reduce_mesh.c - --triangles and --error of the commands that make one mesh: its edges collapse once it is made.
+ *
+ * --error is the distance from the mesh as it was made, not from what it was made of. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+
+int cli_reduces(const cli_run *run)
+{
+    return run->options.triangles.count != 0 || run->options.errors.count != 0;
+}
+
+int cli_check_reduction(cli_run *run)
+{
+    const cli_options *const o = &run->options;
+
+    if (o->triangles.count != 0 && o->errors.count != 0)
+        return cli_usage(run, "--triangles and --error exclude each other");
+    if (cli_given(run, "--error-kind") && o->errors.count == 0)
+        return cli_usage(run, "--error-kind needs --error");
+    return CLI_DONE;
+}
+
+int cli_refuse_reduction(cli_run *run, const char *why)
+{
+    static const char *const option[] = {"--triangles", "--error", "--error-kind"};
+
+    for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
+        if (cli_given(run, option[i])) return cli_usage(run, "%s %s", option[i], why);
+    return CLI_DONE;
+}
+
+int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
+{
+    const cli_options *const o = &run->options;
+    uint64_t const target = o->triangles.count != 0 ? (uint64_t)o->triangles.value[0] : 0;
+    double error = o->errors.value[0];
+    bvx_mesh less = {0};
+    bvx_simplify_options s;
+    bvx_mesh_view view;
+    bvx_status status;
+    cli_box box;
+
+    /* --error is in percent of the diagonal of the mesh that collapses. */
+    r->before = mesh->triangle_count;
+    if (!cli_reduces(run) || mesh->triangle_count == 0) return CLI_DONE;
+    cli_mesh_box(mesh, &box);
+    if (o->errors.percent[0]) error *= cli_diagonal(box.low, box.high) / 100.0;
+
+    bvx_simplify_options_init(&s, sizeof s);
+    if (target != 0) s.target_triangles = &target;
+    else s.target_errors = &error;
+    s.error_kind = o->error_kind;
+    s.reports = &r->level;
+
+    bvx_mesh_view_of(mesh, &view);
+    cli_stage_begin(run, "simplify");
+    status = bvx_mesh_simplify(run->context, &view, &s, 1, &less);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, run->options.output);
+
+    bvx_mesh_free(run->context, mesh);
+    *mesh = less;
+    r->done = 1;
+    if (!r->level.met)
+        cli_warn(run,
+                 "%s has %" PRIu64 " triangles, not %" PRIu64
+                 ": these are the fewest that collapsing edges leaves sound",
+                 run->options.output, r->level.triangles, target);
+    return CLI_DONE;
+}
+
+void cli_tell_reduction(cli_run *run, const cli_reduction *r)
+{
+    cli_text *const t = &run->report.more;
+
+    if (!r->done) return;
+    cli_say(run,
+            "  collapsed   %" PRIu64 " of %" PRIu64
+            " triangles are left%s; smallest angle %.2f degrees, %" PRIu64 " crossings\n",
+            r->level.triangles, r->before, r->level.met ? "" : ", more than asked for", r->level.least_angle,
+            r->level.crossings);
+    cli_text_add(t, ", \"simplify\": {\"triangles_before\": %" PRIu64, r->before);
+    cli_json_count(t, "triangles", r->level.triangles);
+    cli_json_truth(t, "met", r->level.met);
+    cli_json_value(t, "least_angle", r->level.least_angle);
+    cli_json_count(t, "crossings", r->level.crossings);
+    cli_text_add(t, "}");
+}

@@ -1,0 +1,165 @@
+/* render_scene.c - what a picture shows is read, voxelized where asked for, and drawn. */
+#include "cli_commands/render_scene.h"
+
+#include <string.h>
+
+enum { COMPARED_RESOLUTION = 256 };
+
+/* ---- voxels of meshes ---- */
+
+/* One lattice around one mesh or two. */
+static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int32_t resolution, bvx_lattice *lattice)
+{
+    cli_box box, other;
+    bvx_lattice_options fit;
+    cli_mesh_box(&in[0].mesh, &box);
+    cli_mesh_box(&in[count - 1].mesh, &other);
+    cli_join_boxes(&box, &other);
+    bvx_lattice_options_init(&fit, sizeof fit);
+    fit.resolution = resolution;
+    return bvx_lattice_fit_box(run->context, box.low, box.high, &fit, lattice);
+}
+
+static int voxelize_input(cli_run *run, const bvx_lattice *lattice, cli_input *in)
+{
+    bvx_voxelize_options v;
+    bvx_mesh_view view;
+    bvx_solid_report report;
+    bvx_status status;
+    memset(&report, 0, sizeof report);
+    bvx_voxelize_options_init(&v, sizeof v);
+    cli_take_fill(run, &v);
+    v.report = &report;
+    bvx_mesh_view_of(&in->mesh, &view);
+    status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
+    bvx_mesh_free(run->context, &in->mesh);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    cli_warn_of_solid(run, &in->grid, &report);
+    in->kind = CLI_GRID;
+    in->placed = 1;
+    return CLI_DONE;
+}
+
+static int voxelize_scene(cli_run *run, cli_scene *s, int count)
+{
+    int32_t const resolution = run->options.voxels != 0 ? run->options.voxels : COMPARED_RESOLUTION;
+    bvx_lattice lattice;
+    int status = CLI_DONE;
+    cli_stage_begin(run, "voxelize");
+    bvx_status const fitted = fit_lattice(run, s->input, count, resolution, &lattice);
+    if (fitted != BVX_OK) return cli_fail_status(run, fitted, cli_input_name(s->input[0].path));
+    for (int i = 0; i < count && status == CLI_DONE; i++) status = voxelize_input(run, &lattice, &s->input[i]);
+    cli_stage_end(run);
+    return status;
+}
+
+/* ---- opening ---- */
+
+int cli_open_scene(cli_run *run, int first, cli_scene *s)
+{
+    const cli_options *const o = &run->options;
+    int const count = o->difference ? 2 : 1;
+    int status = CLI_DONE;
+    memset(s, 0, sizeof *s);
+    s->compared = o->difference;
+    for (int i = 0; i < count && status == CLI_DONE; i++) status = cli_read_input(run, o->input[first + i], &s->input[i]);
+    if (status == CLI_DONE && s->input[0].kind == CLI_MESH && (o->voxels != 0 || o->difference)) status = voxelize_scene(run, s, count);
+    if (status != CLI_DONE || !o->difference) return status;
+    cli_stage_begin(run, "compare");
+    status = cli_compare_grids(run, &s->input[0], &s->input[1], &s->difference);
+    cli_stage_end(run);
+    return status;
+}
+
+void cli_free_scene(cli_run *run, cli_scene *s)
+{
+    for (int i = 0; i < 2; i++) cli_free_input(run, &s->input[i]);
+}
+
+/* ---- drawing ---- */
+
+void cli_scene_view(const cli_options *o, double direction[3], double up[3])
+{
+    bvx_render_options usual;
+    bvx_render_options_init(&usual, sizeof usual);
+    memcpy(direction, o->from.given ? o->from.value : usual.direction, sizeof usual.direction);
+    memcpy(up, o->up.given ? o->up.value : usual.up, sizeof usual.up);
+}
+
+/* What lies on the eye's side of each plane goes, seen from --from (a turntable's cut stays as it is while it turns);
+ * the higher side where the plane looks at neither. */
+static void take_cut(const cli_options *o, bvx_render_options *r)
+{
+    double direction[3], up[3];
+    cli_scene_view(o, direction, up);
+    for (int a = 0; a < 3; a++) {
+        if (!o->cut.given[a]) continue;
+        if (direction[a] < 0.0) r->cut_low[a] = o->cut.value[a];
+        else r->cut_high[a] = o->cut.value[a];
+    }
+}
+
+/* The box that is seen, and the middle that the picture turns about: of a mesh that of its bounds, of a grid that of its
+ * window. */
+static void box_of_scene(const cli_options *o, const cli_scene *s, double low[3], double high[3], double middle[3])
+{
+    bvx_render_options r;
+    bvx_render_options_init(&r, sizeof r);
+    take_cut(o, &r);
+    if (s->input[0].kind == CLI_MESH) {
+        cli_box box;
+        cli_mesh_box(&s->input[0].mesh, &box);
+        memcpy(low, box.low, sizeof box.low);
+        memcpy(high, box.high, sizeof box.high);
+    } else {
+        const bvx_grid *const g = &s->input[0].grid;
+        cli_grid_corner(g, 0.0, low);
+        for (int a = 0; a < 3; a++) high[a] = low[a] + g->size[a] * g->lattice.spacing[a];
+    }
+    for (int a = 0; a < 3; a++) middle[a] = low[a] * 0.5 + high[a] * 0.5;
+    for (int a = 0; a < 3; a++) {
+        if (r.cut_low[a] > low[a] && r.cut_low[a] < high[a]) low[a] = r.cut_low[a];
+        if (r.cut_high[a] < high[a] && r.cut_high[a] > low[a]) high[a] = r.cut_high[a];
+        if (s->input[0].kind == CLI_MESH) middle[a] = low[a] * 0.5 + high[a] * 0.5;
+    }
+}
+
+void cli_turntable_room(cli_run *run, const cli_scene *s, double show[2])
+{
+    const cli_options *const o = &run->options;
+    double low[3], high[3], middle[3], direction[3], up[3], turned[3];
+    box_of_scene(o, s, low, high, middle);
+    cli_scene_view(o, direction, up);
+    show[0] = show[1] = 0.0;
+    for (int32_t i = 0; i < o->turntable; i++)
+        if (cli_turn(direction, up, i, o->turntable, turned)) cli_turn_room(low, high, middle, turned, up, show);
+}
+
+int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t height, const double direction[3],
+                   const double show[2], bvx_image *image)
+{
+    const cli_options *const o = &run->options;
+    bvx_render_options r;
+    bvx_mesh_view view;
+    bvx_status status;
+    double unused[3];
+    bvx_render_options_init(&r, sizeof r);
+    r.width = width;
+    r.height = height;
+    r.smooth = o->smooth;
+    r.wireframe = o->wireframe;
+    cli_scene_view(o, unused, r.up);
+    memcpy(r.direction, direction, sizeof r.direction);
+    memcpy(r.show, show, sizeof r.show);
+    take_cut(o, &r);
+    if (s->compared) {
+        status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);
+    } else if (s->input[0].kind == CLI_GRID) {
+        status = o->slices.count != 0 ? bvx_render_slices(run->context, &s->input[0].grid, o->slices.axis, o->slices.count, &r, image)
+                                      : bvx_render_grid(run->context, &s->input[0].grid, &r, image);
+    } else {
+        bvx_mesh_view_of(&s->input[0].mesh, &view);
+        status = bvx_render_mesh(run->context, &view, &r, image);
+    }
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(s->input[0].path));
+}

@@ -1,0 +1,91 @@
+/* standard_output.c - "-o -": one output to standard output, its format by --format or by what the command makes.
+ *
+ * From here on it has a name with an ending, as any output; what the program says goes to standard error. */
+#if defined(__unix__) || defined(__APPLE__)
+#define _POSIX_C_SOURCE 200809L
+#define STANDARD_POSIX 1
+#else
+#define STANDARD_POSIX 0
+#endif
+
+#include "cli_shell/cli.h"
+
+#include <stdio.h>
+#include <string.h>
+#if STANDARD_POSIX
+#include <unistd.h>
+#elif defined(_WIN32)
+#include <fcntl.h>
+#include <io.h>
+#endif
+
+static int is_terminal(void)
+{
+#if STANDARD_POSIX
+    return isatty(STDOUT_FILENO);
+#elif defined(_WIN32)
+    return _isatty(_fileno(stdout));
+#else
+    return 0;
+#endif
+}
+
+/* A command that writes what it reads: .bvx where all inputs are voxels. */
+static int32_t format_of_inputs(const cli_run *run, int first)
+{
+    for (int i = first; i < run->options.inputs; i++)
+        if (cli_kind_of_format(cli_input_format(run, run->options.input[i])) == CLI_MESH) return BVX_FORMAT_PLY;
+    return BVX_FORMAT_BVX;
+}
+
+/* What the command writes where nothing is said. */
+static int32_t usual_format(const cli_run *run)
+{
+    const cli_options *const o = &run->options;
+
+    switch (run->command->bit) {
+    case CLI_RENDER: return BVX_FORMAT_PNG;
+    case CLI_SLICE: return BVX_FORMAT_CSV;
+    case CLI_VOXELIZE: return o->mode == CLI_MODE_FIELD ? BVX_FORMAT_NRRD : BVX_FORMAT_BVX;
+    case CLI_MORPH: return o->inputs > 0 && strcmp(o->input[0], "distance") == 0 ? BVX_FORMAT_NRRD : BVX_FORMAT_BVX;
+    case CLI_FILL:
+    case CLI_COMPONENTS:
+    case CLI_REFINE: return BVX_FORMAT_BVX;
+    case CLI_CONVERT: return format_of_inputs(run, 0);
+    case CLI_BOOLEAN: return format_of_inputs(run, 1);
+    default: return BVX_FORMAT_PLY;
+    }
+}
+
+/* --format is also that of standard input: then it counts here only where the output is of the same kind. */
+static int32_t chosen_format(const cli_run *run)
+{
+    const cli_options *const o = &run->options;
+    int32_t const usual = usual_format(run);
+    int reads = 0;
+
+    for (int i = 0; i < o->inputs; i++) reads += strcmp(o->input[i], "-") == 0;
+    if (o->format == 0 || run->command->bit == CLI_SECTIONS) return usual;
+    return reads == 0 || cli_kind_of_format(o->format) == cli_kind_of_format(usual) ? o->format : usual;
+}
+
+int cli_take_standard_output(cli_run *run)
+{
+    int32_t const format = chosen_format(run);
+    const char *const known = format == BVX_FORMAT_CSV ? "csv" : cli_format_name(format);
+
+    if (is_terminal())
+        return cli_usage(run, "standard output is a terminal, which cannot show a .%s file; send it to a file or a pipe", known);
+    snprintf(run->standard_name, sizeof run->standard_name, "standard output.%s", known);
+    run->options.output = run->standard_name;
+    run->standard_taken = 1;
+#if defined(_WIN32)
+    _setmode(_fileno(stdout), _O_BINARY);
+#endif
+    return CLI_DONE;
+}
+
+int cli_is_standard_output(const cli_run *run, const char *path)
+{
+    return run->standard_name[0] != 0 && strcmp(path, run->standard_name) == 0;
+}

@@ -1,0 +1,139 @@
+/* volume_info.c - what a scalar volume holds: type, range and a histogram, to choose --level or --range by. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+enum { INFO_BINS = 16, INFO_BAR = 40 };
+
+typedef struct volume_facts {
+    double least, greatest;
+    uint64_t nan, infinite, zero, finite;
+    uint64_t bin[INFO_BINS]; /* of equal width from least to greatest */
+    uint64_t fullest;
+    int bins;      /* one a value where few whole numbers are there */
+    double width;  /* of a bin */
+} volume_facts;
+
+static double sample_value(const char *at, int32_t type)
+{
+    switch (type) {
+#define SAMPLE(name, kind) \
+    case name: { \
+        kind v; \
+        memcpy(&v, at, sizeof v); \
+        return (double)v; \
+    }
+        SAMPLE(BVX_SAMPLE_U8, uint8_t)
+        SAMPLE(BVX_SAMPLE_I8, int8_t)
+        SAMPLE(BVX_SAMPLE_U16, uint16_t)
+        SAMPLE(BVX_SAMPLE_I16, int16_t)
+        SAMPLE(BVX_SAMPLE_U32, uint32_t)
+        SAMPLE(BVX_SAMPLE_I32, int32_t)
+        SAMPLE(BVX_SAMPLE_U64, uint64_t)
+        SAMPLE(BVX_SAMPLE_I64, int64_t)
+        SAMPLE(BVX_SAMPLE_F32, float)
+#undef SAMPLE
+    default: {
+        double v;
+        memcpy(&v, at, sizeof v);
+        return v;
+    }
+    }
+}
+
+static void note_range(volume_facts *f, double v)
+{
+    if (v - v != 0.0) {
+        f->nan += v != v;
+        f->infinite += v == v;
+        return;
+    }
+    if (f->finite == 0 || v < f->least) f->least = v;
+    if (f->finite == 0 || v > f->greatest) f->greatest = v;
+    f->zero += v == 0.0;
+    f->finite++;
+}
+
+static void note_bin(volume_facts *f, double v)
+{
+    double const place = (v - f->least) / f->width;
+    int bin;
+    if (v - v != 0.0 || !(place >= 0.0)) return;
+    bin = place < f->bins ? (int)place : f->bins - 1;
+    f->bin[bin]++;
+}
+
+static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f, double value), volume_facts *f)
+{
+    static const int64_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    int64_t stride[3] = {v->strides[0], v->strides[1], v->strides[2]};
+
+    if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
+        stride[0] = size[v->sample_type];
+        stride[1] = stride[0] * v->size[0];
+        stride[2] = stride[1] * v->size[1];
+    }
+    for (int64_t z = 0; z < v->size[2]; z++)
+        for (int64_t y = 0; y < v->size[1]; y++) {
+            const char *const row = (const char *)v->samples + z * stride[2] + y * stride[1];
+            for (int64_t x = 0; x < v->size[0]; x++) note(f, sample_value(row + x * stride[0], v->sample_type));
+        }
+}
+
+static void choose_bins(const bvx_volume_view *v, volume_facts *f)
+{
+    double const range = f->greatest - f->least;
+    int const whole = v->sample_type != BVX_SAMPLE_F32 && v->sample_type != BVX_SAMPLE_F64 && range < INFO_BINS;
+
+    f->bins = whole ? (int)range + 1 : INFO_BINS;
+    f->width = whole ? 1.0 : range / INFO_BINS;
+}
+
+static void tell_facts(cli_run *run, const bvx_volume_view *v, const volume_facts *f)
+{
+    static const char *const type[] = {"", "u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
+    cli_text *const t = &run->report.more;
+
+    cli_text_add(t, ", \"samples\": {\"type\": \"%s\"", type[v->sample_type]);
+    cli_json_value(t, "least", f->least);
+    cli_json_value(t, "greatest", f->greatest);
+    cli_json_count(t, "nan", f->nan);
+    cli_json_count(t, "infinite", f->infinite);
+    cli_json_count(t, "zero", f->zero);
+    cli_json_value(t, "bin_width", f->width);
+    cli_text_add(t, ", \"histogram\": [");
+    for (int i = 0; i < f->bins; i++) cli_text_add(t, "%s%" PRIu64, i == 0 ? "" : ", ", f->bin[i]);
+    cli_text_add(t, "]}");
+
+    cli_say(run, "samples       %s, from %.9g to %.9g; %" PRIu64 " are 0", type[v->sample_type], f->least, f->greatest, f->zero);
+    if (f->nan + f->infinite != 0) cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", f->nan, f->infinite);
+    cli_say(run, "\n");
+    for (int i = 0; i < f->bins; i++) {
+        int const bar = f->fullest == 0 ? 0 : (int)(f->bin[i] * INFO_BAR / f->fullest);
+        cli_say(run, "  %12.6g  %-*.*s %" PRIu64 "\n", f->least + f->width * i, INFO_BAR, bar, "########################################",
+                f->bin[i]);
+    }
+    cli_say(run, "\nvoxels whose sample is not 0\n");
+}
+
+int cli_tell_samples(cli_run *run, const char *path)
+{
+    cli_volume v;
+    volume_facts f;
+    int status = cli_read_volume(run, path, NULL, &v);
+
+    memset(&f, 0, sizeof f);
+    if (status == CLI_DONE) {
+        cli_stage_begin(run, "samples");
+        walk_samples(&v.view, note_range, &f);
+        choose_bins(&v.view, &f);
+        if (f.width > 0.0) walk_samples(&v.view, note_bin, &f);
+        for (int i = 0; i < INFO_BINS; i++) f.fullest = f.bin[i] > f.fullest ? f.bin[i] : f.fullest;
+        cli_stage_end(run);
+        if (v.view.sample_type != BVX_SAMPLE_U8 || f.greatest > 1.0) tell_facts(run, &v.view, &f); /* else bits */
+    }
+    cli_free_volume(run, &v);
+    return status;
+}

@@ -1,0 +1,350 @@
+/* volume_output.c - voxelize of a volume: to a grid, to the surface of a level, or to a surface for each label. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What is made of a volume. */
+typedef struct volume_job {
+    cli_volume volume;
+    bvx_volume_report report;
+    bvx_label *labels;
+    uint64_t label_count;
+} volume_job;
+
+static int check_volume_output(cli_run *run, int *kind)
+{
+    const char *const out = run->options.output;
+    int const has_number = cli_has_number(out);
+    *kind = cli_kind_of_format(bvx_format_of_name(out));
+    if (*kind == 0)
+        return cli_usage(run, "%s: the name ends in no grid format that is written (" CLI_GRIDS "), and in no mesh "
+                         "format (" CLI_MESHES_WRITTEN ")", out);
+    if (*kind == CLI_GRID && cli_refuse_reduction(run, "is for a mesh; the result is a grid") != CLI_DONE) return CLI_USAGE;
+    if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
+    if (run->options.all_labels && (*kind != CLI_MESH || !has_number))
+        return cli_usage(run, "--all-labels writes a mesh for each label: %s needs %%d in the name of a mesh", out);
+    if (!run->options.all_labels && has_number) return cli_usage(run, "%s: %%d is for --all-labels", out);
+    if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
+    return CLI_DONE;
+}
+
+static void say_volume(cli_run *run, const volume_job *j)
+{
+    const bvx_volume_report *const r = &j->report;
+    cli_say(run, "%s -> %s\n  samples     %.9g to %.9g", cli_input_name(run->options.input[0]), run->options.output, r->least, r->greatest);
+    if (r->nan + r->infinite != 0) cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", r->nan, r->infinite);
+    cli_say(run, "\n");
+}
+
+static void note_set(cli_run *run, const volume_job *j)
+{
+    run->report.lattice = j->volume.view.lattice;
+    run->report.has_lattice = run->report.has_set = 1;
+    run->report.set = j->report.inside;
+}
+
+/* ---- parts ---- */
+
+/* kept may be the grid itself. */
+static bvx_status keep_chosen(cli_run *run, volume_job *j, const bvx_grid *grid, bvx_grid *kept)
+{
+    bvx_status status;
+
+    if (!cli_keeps_parts(run)) return BVX_OK;
+    status = cli_keep_parts(run, grid, kept);
+    return status == BVX_OK ? bvx_grid_count(run->context, kept, &j->report.inside) : status;
+}
+
+/* A copy of the samples in which those of dropped parts are as one that is outside, so that the surface of what is kept stays where
+ * its samples put it. Parts have no face in common, so no edge of the lattice leads from one into another. */
+static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_grid *all, const bvx_grid *kept, bvx_volume_view *copy,
+                        void **samples)
+{
+    static const int64_t bytes_of[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    size_t const size = (size_t)bytes_of[view->sample_type];
+    uint64_t const count = (uint64_t)view->size[0] * (uint64_t)view->size[1] * (uint64_t)view->size[2];
+    int64_t stride[3] = {view->strides[0], view->strides[1], view->strides[2]};
+    const char *outside = NULL;
+    char *to = count <= SIZE_MAX / size ? malloc((size_t)count * size) : NULL;
+
+    *samples = to;
+    if (to == NULL) return cli_fail(run, "no memory for a copy of %" PRIu64 " samples", count);
+    if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
+        stride[0] = (int64_t)size;
+        stride[1] = stride[0] * view->size[0];
+        stride[2] = stride[1] * view->size[1];
+    }
+
+    /* Two parts at least, so some sample lies between them. */
+    for (int pass = 0; pass < 2; pass++)
+        for (int32_t z = 0; z < view->size[2]; z++)
+            for (int32_t y = 0; y < view->size[1]; y++) {
+                const char *from = (const char *)view->samples + z * stride[2] + y * stride[1];
+                for (int32_t x = 0; x < view->size[0]; x++, from += stride[0]) {
+                    int const was = bvx_grid_get(all, x, y, z);
+                    if (pass == 0 && !was && outside == NULL) outside = from;
+                    if (pass == 0) continue;
+                    memcpy(to, was && !bvx_grid_get(kept, x, y, z) && outside != NULL ? outside : from, size);
+                    to += size;
+                }
+            }
+    *copy = *view;
+    copy->samples = *samples;
+    memset(copy->strides, 0, sizeof copy->strides);
+    return CLI_DONE;
+}
+
+/* ---- a grid ---- */
+
+static int make_volume_grid(cli_run *run, volume_job *j)
+{
+    const char *const in = cli_input_name(run->options.input[0]);
+    bvx_grid grid = {0};
+    bvx_status status;
+    int result = cli_check_grid_format(run, run->options.output, &j->volume.view.lattice, j->volume.view.size);
+    if (result != CLI_DONE) return result;
+    cli_stage_begin(run, "threshold");
+    status = cli_select_voxels(run, &j->volume, &j->report, &grid);
+    cli_stage_end(run);
+    if (status == BVX_OK) status = keep_chosen(run, j, &grid, &grid);
+    result = status == BVX_OK ? cli_write_grid(run, &grid) : cli_fail_status(run, status, in);
+    if (result == CLI_DONE) {
+        note_set(run, j);
+        cli_tell_volume(run, &j->volume, &j->report);
+        say_volume(run, j);
+        cli_say_grid(run, &grid, j->report.inside, j->volume.placed);
+        if (j->report.inside == 0) cli_warn(run, "no voxel is set: no sample is in the range");
+    }
+    bvx_grid_free(run->context, &grid);
+    return result;
+}
+
+/* ---- meshes ---- */
+
+/* The surface of the level, by its values. */
+static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_view *view, bvx_mesh *mesh)
+{
+    bvx_scalar_options o;
+    bvx_scalar_options_init(&o, sizeof o);
+    o.position_type = BVX_POSITION_AUTO;
+    o.level = run->options.level;
+    o.below = run->options.below;
+    o.report = &j->report;
+    return bvx_extract_scalar(run->context, view, &o, mesh);
+}
+
+static bvx_status make_grid_mesh(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
+{
+    bvx_extract_options o;
+    bvx_extract_options_init(&o, sizeof o);
+    o.position_type = BVX_POSITION_AUTO;
+    return bvx_extract_surface(run->context, grid, &o, mesh);
+}
+
+/* Reduce, check and write a mesh as output number n, under the path that the report keeps. */
+static int put_mesh(cli_run *run, bvx_mesh *mesh, int n, const char *path, cli_reduction *reduction)
+{
+    cli_mesh_entry *const entry = &run->report.mesh[n];
+    bvx_mesh_view view;
+    bvx_status status;
+    int result = cli_reduce(run, mesh, reduction);
+
+    if (result != CLI_DONE) return result;
+    bvx_mesh_view_of(mesh, &view);
+    cli_stage_begin(run, "check");
+    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    entry->path = path;
+    run->report.meshes = n + 1;
+    return cli_write_mesh_as(run, mesh, n, path);
+}
+
+static void say_mesh(cli_run *run, int n)
+{
+    const cli_mesh_entry *const e = &run->report.mesh[n];
+    const bvx_certificate *const c = &e->certificate;
+    cli_say(run, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " part%s\n", e->path, c->triangles,
+            c->closed && c->edge_manifold && c->vertex_manifold && c->oriented ? "closed, manifold" : "NOT closed", c->volume, c->components,
+            c->components == 1 ? "" : "s");
+}
+
+/* The level's surface around the parts that are kept. */
+static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status, bvx_mesh *mesh)
+{
+    bvx_grid all = {0}, kept = {0};
+    bvx_volume_view view = j->volume.view;
+    void *samples = NULL;
+    int result = CLI_DONE;
+
+    *status = cli_select_voxels(run, &j->volume, &j->report, &all);
+    if (*status == BVX_OK) *status = keep_chosen(run, j, &all, &kept);
+    if (*status == BVX_OK && run->report.parts.dropped != 0) result = copy_without(run, &j->volume.view, &all, &kept, &view, &samples);
+    if (*status == BVX_OK && result == CLI_DONE && (j->report.inside != 0 || run->report.parts.dropped == 0)) {
+        bvx_volume_report const whole = j->report;
+        *status = make_level_mesh(run, j, &view, mesh);
+        j->report = whole; /* of the file's samples, not of the copy's */
+    }
+    free(samples);
+    bvx_grid_free(run->context, &kept);
+    bvx_grid_free(run->context, &all);
+    return result;
+}
+
+static int make_volume_mesh(cli_run *run, volume_job *j)
+{
+    const char *const in = cli_input_name(run->options.input[0]);
+    cli_reduction reduction = {0};
+    bvx_mesh mesh = {0};
+    bvx_grid grid = {0};
+    bvx_status status;
+    int result = CLI_DONE;
+    cli_stage_begin(run, "surface");
+    if (cli_given(run, "--level") && cli_keeps_parts(run)) {
+        result = make_kept_level_mesh(run, j, &status, &mesh);
+    } else if (cli_given(run, "--level")) {
+        status = make_level_mesh(run, j, &j->volume.view, &mesh);
+    } else {
+        status = cli_select_voxels(run, &j->volume, &j->report, &grid);
+        if (status == BVX_OK) status = keep_chosen(run, j, &grid, &grid);
+        if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
+    }
+    cli_stage_end(run);
+    bvx_grid_free(run->context, &grid);
+    if (result != CLI_DONE) return result;
+    if (status != BVX_OK) return cli_fail_status(run, status, in);
+    if (mesh.triangle_count == 0 && run->report.parts.dropped != 0)
+        return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in, run->report.parts.dropped);
+    if (mesh.triangle_count == 0)
+        return cli_fail(run, "%s: no sample is in the range (they go from %.9g to %.9g); there is no surface", in, j->report.least, j->report.greatest);
+    result = put_mesh(run, &mesh, 0, run->options.output, &reduction);
+    if (result == CLI_DONE) result = cli_keep_outputs(run);
+    bvx_mesh_free(run->context, &mesh);
+    if (result != CLI_DONE) return result;
+    note_set(run, j);
+    cli_tell_volume(run, &j->volume, &j->report);
+    say_volume(run, j);
+    cli_say_parts(run);
+    cli_tell_reduction(run, &reduction);
+    say_mesh(run, 0);
+    return CLI_DONE;
+}
+
+/* ---- labels ---- */
+
+static int list_labels(cli_run *run, volume_job *j)
+{
+    const char *const in = cli_input_name(run->options.input[0]);
+    uint64_t count = 0;
+    bvx_status status;
+    cli_stage_begin(run, "labels");
+    status = bvx_list_labels(run->context, &j->volume.view, NULL, 0, &count);
+    if (status == BVX_OK && count != 0 && count <= CLI_MAX_OUTPUTS) {
+        j->labels = calloc((size_t)count, sizeof *j->labels);
+        if (j->labels == NULL) return cli_fail(run, "no memory for %" PRIu64 " labels", count);
+        status = bvx_list_labels(run->context, &j->volume.view, j->labels, count, &j->label_count);
+    }
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, in);
+    if (count == 0) return cli_fail(run, "%s: no sample is other than 0; there are no labels", in);
+    if (count > CLI_MAX_OUTPUTS)
+        return cli_fail(run, "%s: %" PRIu64 " labels, more than the %d files of one run; take --label or --range", in, count, CLI_MAX_OUTPUTS);
+    return CLI_DONE;
+}
+
+/* The label's box: beyond it there is none of it, so the surface is that of the whole. */
+static void label_view(const volume_job *j, const bvx_label *l, bvx_volume_view *view)
+{
+    static const int64_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    const bvx_volume_view *const whole = &j->volume.view;
+    int64_t stride[3] = {whole->strides[0], whole->strides[1], whole->strides[2]}, at = 0;
+    *view = *whole;
+    if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
+        stride[0] = size[whole->sample_type];
+        stride[1] = stride[0] * whole->size[0];
+        stride[2] = stride[1] * whole->size[1];
+    }
+    for (int a = 0; a < 3; a++) {
+        view->low[a] = whole->low[a] + l->low[a];
+        view->size[a] = l->size[a];
+        view->strides[a] = stride[a];
+        at += l->low[a] * stride[a];
+    }
+    view->samples = (const char *)whole->samples + at;
+}
+
+static int make_label_mesh(cli_run *run, volume_job *j, int n)
+{
+    double const value = (double)j->labels[n].value;
+    char *const path = cli_numbered_path(run->options.output, j->labels[n].value); /* the report keeps it */
+    cli_reduction reduction = {0};
+    bvx_mesh mesh = {0};
+    bvx_grid grid = {0};
+    bvx_volume_view view;
+    bvx_volume_report report;
+    bvx_status status;
+    int result;
+    if (path == NULL) return cli_fail(run, "no memory for a file's name");
+    if (value > 9007199254740992.0 || value < -9007199254740992.0)
+        return cli_fail(run, "%s: labels beyond 2^53 are not written", cli_input_name(run->options.input[0]));
+    result = cli_open_output(run, path);
+    if (result != CLI_DONE) return result;
+    label_view(j, &j->labels[n], &view);
+    cli_stage_begin(run, "surface");
+    status = bvx_threshold(run->context, &view, value, value, &report, &grid);
+    if (status == BVX_OK && cli_keeps_parts(run)) status = cli_keep_parts(run, &grid, &grid);
+    if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
+    cli_stage_end(run);
+    bvx_grid_free(run->context, &grid);
+    result = status == BVX_OK ? put_mesh(run, &mesh, n, path, &reduction) : cli_fail_status(run, status, path);
+    bvx_mesh_free(run->context, &mesh);
+    return result;
+}
+
+static void tell_labels(cli_run *run, const volume_job *j)
+{
+    cli_text *const t = &run->report.more;
+    cli_text_add(t, ", \"labels\": [");
+    for (uint64_t i = 0; i < j->label_count; i++) {
+        cli_text_add(t, "%s{\"value\": %" PRId64, i == 0 ? "" : ", ", j->labels[i].value);
+        cli_json_count(t, "voxels", j->labels[i].voxels);
+        cli_text_add(t, "}");
+    }
+    cli_text_add(t, "]");
+}
+
+static int make_label_meshes(cli_run *run, volume_job *j)
+{
+    int status = list_labels(run, j);
+    for (uint64_t i = 0; i < j->label_count && status == CLI_DONE; i++) {
+        status = make_label_mesh(run, j, (int)i);
+        if (status == CLI_DONE && cli_interrupted()) status = cli_fail_interrupted(run);
+        j->report.inside += j->labels[i].voxels;
+    }
+    if (status == CLI_DONE) status = cli_keep_outputs(run);
+    if (status != CLI_DONE) return status;
+    note_set(run, j);
+    tell_labels(run, j);
+    cli_say(run, "%s: %" PRIu64 " labels\n", cli_input_name(run->options.input[0]), j->label_count);
+    cli_say_parts(run);
+    for (uint64_t i = 0; i < j->label_count; i++) say_mesh(run, (int)i);
+    return CLI_DONE;
+}
+
+int cli_voxelize_volume(cli_run *run, const bvx_window *window)
+{
+    static volume_job j;
+    int kind, status = check_volume_output(run, &kind);
+    memset(&j, 0, sizeof j);
+    if (status == CLI_DONE) status = cli_check_selection(run, run->options.input[0]);
+    if (status == CLI_DONE && kind == CLI_GRID) status = cli_open_grid_output(run, run->options.output);
+    if (status == CLI_DONE && kind == CLI_MESH && !run->options.all_labels) status = cli_open_output(run, run->options.output);
+    if (status == CLI_DONE) status = cli_read_volume(run, run->options.input[0], window, &j.volume);
+    if (status == CLI_DONE)
+        status = kind == CLI_GRID ? make_volume_grid(run, &j) : run->options.all_labels ? make_label_meshes(run, &j) : make_volume_mesh(run, &j);
+    free(j.labels);
+    if (run->context != NULL) cli_free_volume(run, &j.volume);
+    return status;
+}

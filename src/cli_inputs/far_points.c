@@ -1,0 +1,118 @@
+/* far_points.c - one point far from all others must not cost memory by the size of the box around both.
+ *
+ * With --spacing a lattice is as large as the box. Where it is large, and mostly for the sake of a few points that lie many times
+ * as far from the others as these lie from each other, the command refuses it and names them. The others are looked for among some
+ * thousand points: between the places that a twentieth of them lies below and above. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FAR_SAMPLES = 4096, FAR_TIMES = 50, FAR_SHARE = 100, FAR_SAVED = 16 };
+
+#define FAR_BYTES 268435456.0 /* smaller lattices are made, whatever they are for */
+
+typedef struct far_points {
+    const bvx_mesh_view *view;
+    int cloud;
+    uint64_t count;          /* corners of triangles, or points */
+    double low[3], high[3];  /* what lies beyond is far */
+    double near_low[3], near_high[3]; /* box of the others */
+    uint64_t far, first;     /* how many, and the number of the first */
+    double at[3];
+} far_points;
+
+/* The vertex that corner number i is, or point number i. */
+static uint64_t vertex_of(const far_points *f, uint64_t i)
+{
+    return f->cloud || f->view->indices == NULL ? i : ((const uint32_t *)f->view->indices)[i];
+}
+
+static void position_of(const far_points *f, uint64_t vertex, double p[3])
+{
+    for (uint64_t a = 0; a < 3; a++)
+        p[a] = f->view->position_type == BVX_F32 ? (double)((const float *)f->view->positions)[vertex * 3 + a]
+                                                 : ((const double *)f->view->positions)[vertex * 3 + a];
+}
+
+static int compare_values(const void *a, const void *b)
+{
+    double const x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The box beyond which points are far. 0 without memory. */
+static int find_near_box(far_points *f)
+{
+    uint64_t const n = f->count < FAR_SAMPLES ? f->count : FAR_SAMPLES;
+    double *const value = malloc((size_t)n * 3 * sizeof *value);
+    double span = 0.0;
+
+    if (value == NULL) return 0;
+    for (uint64_t i = 0; i < n; i++) {
+        double p[3];
+        position_of(f, vertex_of(f, (uint64_t)((double)i * (double)f->count / (double)n)), p);
+        for (uint64_t a = 0; a < 3; a++) value[a * n + i] = p[a];
+    }
+    for (uint64_t a = 0; a < 3; a++) {
+        qsort(value + a * n, (size_t)n, sizeof *value, compare_values);
+        f->low[a] = value[a * n + n / 20];
+        f->high[a] = value[a * n + n - 1 - n / 20];
+        span = fmax(span, f->high[a] - f->low[a]);
+    }
+    for (int a = 0; a < 3; a++) {
+        f->low[a] -= FAR_TIMES * span;
+        f->high[a] += FAR_TIMES * span;
+    }
+    free(value);
+    return 1;
+}
+
+/* Far points by number: a vertex counts once for each triangle that uses it, which does not matter for a share. */
+static void count_far(far_points *f)
+{
+    for (int a = 0; a < 3; a++) {
+        f->near_low[a] = HUGE_VAL;
+        f->near_high[a] = -HUGE_VAL;
+    }
+    for (uint64_t i = 0; i < f->count; i++) {
+        uint64_t const vertex = vertex_of(f, i);
+        double p[3];
+        int beyond = 0;
+        position_of(f, vertex, p);
+        for (int a = 0; a < 3; a++) beyond |= p[a] < f->low[a] || p[a] > f->high[a];
+        if (beyond && f->far++ == 0) {
+            f->first = vertex;
+            memcpy(f->at, p, sizeof f->at);
+        }
+        for (int a = 0; a < 3 && !beyond; a++) {
+            f->near_low[a] = fmin(f->near_low[a], p[a]);
+            f->near_high[a] = fmax(f->near_high[a], p[a]);
+        }
+    }
+}
+
+int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud, const bvx_lattice *lattice)
+{
+    double bytes = 8.0, near = 8.0, limit = (double)run->context_limit;
+    far_points f = {.view = view, .cloud = cloud};
+
+    f.count = cloud ? view->vertex_count : view->triangle_count * 3;
+    for (int a = 0; a < 3; a++) bytes *= a == 0 ? ceil(lattice->dims[a] / 64.0) : (double)lattice->dims[a];
+    if (bytes < FAR_BYTES || f.count == 0 || bytes <= limit || !find_near_box(&f)) return CLI_DONE;
+
+    count_far(&f);
+    if (f.far == 0 || f.far > f.count / FAR_SHARE) return CLI_DONE;
+    for (int a = 0; a < 3; a++) {
+        double const n = floor((f.near_high[a] - f.near_low[a]) / lattice->spacing[a]) + 1.0;
+        near *= a == 0 ? ceil(n / 64.0) : n;
+    }
+    if (near * FAR_SAVED > bytes) return CLI_DONE;
+
+    return cli_fail(run, "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s: a lattice of %" PRId32 " x %" PRId32 " x %" PRId32
+                    " voxels around both takes %.3g bytes, without it %.3g; take it out of the file, or allow so much by --memory-limit",
+                    cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1],
+                    f.at[2], f.far == 1 ? "" : ", and it is not the only one", lattice->dims[0], lattice->dims[1], lattice->dims[2], bytes, near);
+}

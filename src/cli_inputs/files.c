@@ -1,0 +1,357 @@
+/* files.c - whole files in.
+ *
+ * A file is read as a whole, within --memory-limit or what the machine can bear; gzip data are told by their first bytes
+ * and unpacked in memory. */
+#if defined(__unix__) || defined(__APPLE__)
+#define _POSIX_C_SOURCE 200809L
+#define FILES_POSIX 1
+#else
+#define FILES_POSIX 0
+#endif
+
+#include "cli_shell/cli.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#if FILES_POSIX
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#elif defined(_WIN32)
+#include <fcntl.h>
+#include <io.h>
+#endif
+#ifdef BVX_HAVE_ZLIB
+#include <zlib.h>
+#endif
+
+enum { FILES_CHUNK = 1 << 20 };
+
+#define FILES_MACHINE (UINT64_C(4) << 30) /* bytes for files, twice, where the system does not tell its memory */
+
+/* ---- room ---- */
+
+uint64_t cli_memory_there(void)
+{
+    uint64_t memory = UINT64_MAX;
+#if FILES_POSIX
+    static const char *const container[2] = {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}; /* a number, or "max" */
+    struct rlimit space;
+#if defined(_SC_PHYS_PAGES)
+    long const pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    if (pages > 0 && page > 0) memory = (uint64_t)pages * (uint64_t)page;
+#endif
+    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY && space.rlim_cur < memory)
+        memory = (uint64_t)space.rlim_cur;
+    for (int i = 0; i < 2; i++) {
+        uint64_t most;
+        FILE *const file = fopen(container[i], "r");
+        if (file == NULL) continue;
+        if (fscanf(file, "%" SCNu64, &most) == 1 && most < memory) memory = most;
+        fclose(file);
+    }
+#endif
+    return memory != UINT64_MAX ? memory : 0;
+}
+
+/* Half of what there is: what is made of a file takes as much again. */
+static uint64_t bytes_ceiling(const cli_run *run)
+{
+    uint64_t const there = cli_memory_there(), memory = there != 0 ? there : FILES_MACHINE;
+    if (run->options.memory_limit != 0) return run->options.memory_limit;
+    return memory / 2 < SIZE_MAX ? memory / 2 : SIZE_MAX;
+}
+
+/* more: the bytes that do not fit, in words; limit: what others left of the ceiling. */
+static int fail_ceiling(cli_run *run, const char *path, const char *more, uint64_t limit)
+{
+    if (run->options.memory_limit != 0)
+        return cli_fail(run, "%s: %s the %" PRIu64 " bytes that --memory-limit leaves for it", cli_input_name(path), more, limit);
+    return cli_fail(run, "%s: %s %" PRIu64 " bytes, %shalf of the memory there is; --memory-limit sets another limit",
+                    cli_input_name(path), more, limit, limit < bytes_ceiling(run) ? "what is left of " : "");
+}
+
+/* Room for more bytes: as much again, within the limit. */
+static int grow_bytes(cli_run *run, const char *path, cli_bytes *b)
+{
+    size_t room = b->room < SIZE_MAX / 2 ? b->room * 2 : SIZE_MAX;
+    unsigned char *more;
+    if (room > b->limit) room = (size_t)b->limit;
+    if (room <= b->room) return fail_ceiling(run, path, "holds more than", b->limit);
+    more = realloc(b->bytes, room);
+    if (more == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path), (uint64_t)room);
+    b->bytes = more;
+    b->room = room;
+    cli_large_block(more, room);
+    return CLI_DONE;
+}
+
+static int start_bytes(cli_run *run, const char *path, uint64_t guess, uint64_t limit, cli_bytes *b)
+{
+    memset(b, 0, sizeof *b);
+    b->limit = limit < SIZE_MAX ? limit : SIZE_MAX;
+    if (guess > SIZE_MAX - 1) guess = SIZE_MAX - 1;
+    b->room = (size_t)guess + 1; /* one more, so that the end is seen without growing */
+    if (b->room > b->limit) b->room = (size_t)b->limit;
+    b->bytes = malloc(b->room);
+    if (b->bytes == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path), (uint64_t)b->room);
+    cli_large_block(b->bytes, b->room);
+    return CLI_DONE;
+}
+
+/* ---- reading ---- */
+
+/* Bytes of a plain file; 0 when they show only while reading (a pipe), -1 with errno when it is none to read. */
+static int64_t size_of_file(FILE *file)
+{
+    long size = -1;
+#if FILES_POSIX
+    struct stat s;
+    if (fstat(fileno(file), &s) != 0) return -1;
+    if (S_ISDIR(s.st_mode)) {
+        errno = EISDIR;
+        return -1;
+    }
+    if (!S_ISREG(s.st_mode)) return 0;
+#endif
+    if (fseek(file, 0, SEEK_END) == 0) size = ftell(file);
+    rewind(file);
+    return size < 0 || size == LONG_MAX ? 0 : size;
+}
+
+/* As many bytes as are wanted; fewer at the end, or with an error. */
+static size_t read_part(FILE *file, unsigned char *to, size_t want, int *error)
+{
+    size_t got = 0;
+    do {
+        clearerr(file);
+        errno = 0;
+        got += fread(to + got, 1, want - got, file);
+        *error = !ferror(file) ? 0 : errno != 0 ? errno : EIO;
+    } while (*error == EINTR && !cli_interrupted()); /* a signal that is none of ours: the rest follows */
+    return got;
+}
+
+static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held, cli_bytes *b)
+{
+    uint64_t const ceiling = bytes_ceiling(run), limit = held < ceiling ? ceiling - held : 0;
+    int64_t const size = file != stdin ? size_of_file(file) : 0;
+    int status;
+    if (size < 0) return cli_fail(run, "%s: %s", path, strerror(errno));
+    if (limit == 0) return fail_ceiling(run, path, "is to fit into", limit);
+    if ((uint64_t)size > limit) {
+        char more[64];
+        snprintf(more, sizeof more, "its %" PRId64 " bytes are more than", size);
+        return fail_ceiling(run, path, more, limit);
+    }
+    status = start_bytes(run, path, size > 0 ? (uint64_t)size : FILES_CHUNK, limit, b);
+    while (status == CLI_DONE) {
+        size_t const room = b->room - b->size;
+        size_t const want = room == 0 ? 1 : room < FILES_CHUNK ? room : FILES_CHUNK;
+        unsigned char next; /* exactly full: is there more? */
+        int error;
+        size_t const got = read_part(file, room != 0 ? b->bytes + b->size : &next, want, &error);
+        if (room == 0 && got != 0) {
+            status = grow_bytes(run, path, b);
+            if (status != CLI_DONE) break;
+            b->bytes[b->size] = next;
+        }
+        b->size += got;
+        if (cli_progress(run, "read", size > 0 ? (double)b->size / (double)size : 0.0)) return cli_fail_interrupted(run);
+        if (error != 0) return cli_fail(run, "%s: %s", cli_input_name(path), strerror(error));
+        if (got < want) break;
+    }
+    return status;
+}
+
+/* ---- gzip ---- */
+
+#ifdef BVX_HAVE_ZLIB
+/* One gzip member after the other, as gzip itself reads them; zero bytes behind the last are padding. */
+static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, cli_bytes *b, z_stream *z)
+{
+    size_t taken = 0;
+    for (;;) {
+        int result;
+        if (b->size == b->room && grow_bytes(run, path, b) != CLI_DONE) return CLI_FAILED;
+        size_t const in = packed->size - taken, out = b->room - b->size;
+        z->next_in = packed->bytes + taken;
+        z->avail_in = in < FILES_CHUNK ? (uInt)in : FILES_CHUNK;
+        z->next_out = b->bytes + b->size;
+        z->avail_out = out < FILES_CHUNK ? (uInt)out : FILES_CHUNK;
+        result = inflate(z, Z_NO_FLUSH);
+        taken = (size_t)(z->next_in - packed->bytes);
+        b->size = (size_t)(z->next_out - b->bytes);
+        if (cli_progress(run, "unpack", (double)taken / ((double)packed->size + 1.0))) return cli_fail_interrupted(run);
+        if (result == Z_STREAM_END) {
+            while (taken < packed->size && packed->bytes[taken] == 0) taken++;
+            if (taken == packed->size) return CLI_DONE;
+            if (packed->size - taken < 2 || packed->bytes[taken] != 0x1f || packed->bytes[taken + 1] != 0x8b) {
+                cli_warn(run, "%s: gzip: %" PRIu64 " bytes behind the data are left out", cli_input_name(path), (uint64_t)(packed->size - taken));
+                return CLI_DONE;
+            }
+            inflateReset(z);
+        } else if (result == Z_BUF_ERROR && taken == packed->size) {
+            return cli_fail(run, "%s: gzip: the data end in their middle, at byte %" PRIu64, cli_input_name(path), (uint64_t)taken);
+        } else if (result != Z_OK && result != Z_BUF_ERROR) {
+            return cli_fail(run, "%s: gzip: %s near byte %" PRIu64, cli_input_name(path), z->msg != NULL ? z->msg : "damaged data",
+                            (uint64_t)taken);
+        }
+    }
+}
+
+/* The size that the last four bytes tell, where it may be true; else four times the packed. */
+static uint64_t guess_unpacked(const cli_bytes *packed)
+{
+    const unsigned char *p;
+    uint64_t told;
+    if (packed->size < 18) return 64; /* no whole file */
+    p = packed->bytes + packed->size - 4;
+    told = (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
+    return told >= packed->size && told / 1100 <= packed->size ? told : (uint64_t)packed->size * 4; /* deflate: 1032 at most */
+}
+
+static int unpack(cli_run *run, const char *path, cli_bytes *b)
+{
+    cli_bytes plain;
+    z_stream z;
+    uint64_t const limit = b->limit > b->size ? b->limit - b->size : 1; /* both are held for a while */
+    int status = start_bytes(run, path, guess_unpacked(b), limit, &plain);
+    if (status != CLI_DONE) return status;
+    memset(&z, 0, sizeof z);
+    if (inflateInit2(&z, 15 + 16) != Z_OK) { /* the largest window, gzip's head and foot */
+        free(plain.bytes);
+        return cli_fail(run, "%s: gzip: no memory to unpack it", cli_input_name(path));
+    }
+    status = inflate_all(run, path, b, &plain, &z);
+    inflateEnd(&z);
+    cli_note_peak(run, (uint64_t)b->size + plain.size);
+    free(b->bytes);
+    *b = plain;
+    return status;
+}
+#else
+static int unpack(cli_run *run, const char *path, cli_bytes *b)
+{
+    (void)b;
+    return cli_fail(run, "%s: gzip data, which this build cannot unpack: it was made without zlib", cli_input_name(path));
+}
+#endif
+
+static int is_gzip(const char *path, const cli_bytes *b)
+{
+    size_t const n = strlen(path);
+    return (b->size >= 2 && b->bytes[0] == 0x1f && b->bytes[1] == 0x8b) || (n > 3 && strcmp(path + n - 3, ".gz") == 0);
+}
+
+/* ---- inputs ---- */
+
+const char *cli_input_name(const char *path)
+{
+    return strcmp(path, "-") == 0 ? "standard input" : path;
+}
+
+int32_t cli_input_format(const cli_run *run, const char *path)
+{
+    return strcmp(path, "-") == 0 ? run->options.format : bvx_format_of_name(path);
+}
+
+int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
+{
+    int const standard = strcmp(path, "-") == 0;
+    FILE *file;
+    int status;
+    memset(b, 0, sizeof *b);
+#if defined(_WIN32)
+    if (standard) _setmode(_fileno(stdin), _O_BINARY);
+#endif
+    file = standard ? stdin : fopen(path, "rb");
+    if (file == NULL && errno == EINTR && cli_interrupted()) return cli_fail_interrupted(run); /* while a pipe had no writer */
+    if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
+    status = read_bytes(run, path, file, held, b);
+    if (!standard) fclose(file);
+    if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
+    if (status == CLI_DONE && cli_input_format(run, path) == BVX_FORMAT_VTI) status = cli_unpack_vti(run, path, b);
+    cli_note_peak(run, b->size);
+    return status;
+}
+
+int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
+{
+    int status;
+    cli_stage_begin(run, "read");
+    cli_stage_calls(run, 2); /* it may be packed */
+    status = cli_read_bytes(run, path, 0, b);
+    if (status == CLI_DONE) cli_stage_end(run);
+    return status;
+}
+
+static int is_mesh_format(int32_t format)
+{
+    return format == BVX_FORMAT_STL || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_PLY || format == BVX_FORMAT_OFF;
+}
+
+/* Commands that measure a mesh leave out triangles that lie nowhere; the others, which keep triangles, refuse them. */
+static bvx_status read_triangles(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
+{
+    uint64_t dropped = 0;
+    bvx_status status;
+
+    if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE)) == 0) return bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
+    status = bvx_read_mesh_finite(run->context, b->bytes, b->size, format, &dropped, mesh);
+    if (status == BVX_OK) run->report.nonfinite += dropped;
+    return status;
+}
+
+/* cloud NULL: a mesh alone will do. */
+static bvx_status parse_mesh(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh, int *cloud)
+{
+    bvx_status read = BVX_ERR_EMPTY;
+    if (format != BVX_FORMAT_XYZ) read = read_triangles(run, b, format, mesh);
+    if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)) return read;
+    *cloud = 1;
+    return bvx_read_points(run->context, b->bytes, b->size, format, mesh);
+}
+
+static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
+{
+    uint64_t const before = run->report.nonfinite;
+    cli_bytes b = {NULL, 0, 0, 0};
+    int status = cli_read_file(run, path, &b);
+    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
+    if (status == CLI_DONE) {
+        cli_stage_begin(run, "parse");
+        bvx_status const read = parse_mesh(run, &b, format, mesh, cloud);
+        cli_stage_end(run);
+        cli_note_peak(run, b.size);
+        bvx_memory_reset_peak(run->context);
+        if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
+        else if (run->report.nonfinite != before)
+            cli_warn(run, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out", cli_input_name(path),
+                     run->report.nonfinite - before, run->report.nonfinite - before == 1 ? "" : "s");
+    }
+    free(b.bytes);
+    return status;
+}
+
+int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
+{
+    int32_t const format = cli_input_format(run, path);
+    if (strcmp(path, "-") == 0 && !is_mesh_format(format))
+        return cli_usage(run, "--format names no mesh format that is read (" CLI_MESHES_READ ")");
+    if (!is_mesh_format(format))
+        return cli_fail(run, "%s: the name ends in no mesh format that is read (" CLI_MESHES_READ ", also with .gz)", path);
+    return read_mesh_file(run, path, format, mesh, NULL);
+}
+
+int cli_read_mesh_or_cloud(cli_run *run, const char *path, bvx_mesh *mesh, int *cloud)
+{
+    int32_t const format = cli_input_format(run, path);
+    *cloud = 0;
+    if (format != BVX_FORMAT_XYZ && !is_mesh_format(format)) return cli_read_mesh(run, path, mesh); /* which refuses it */
+    return read_mesh_file(run, path, format, mesh, cloud);
+}

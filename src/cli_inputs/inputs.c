@@ -1,0 +1,242 @@
+/* inputs.c - any input by its ending: a mesh or a grid, and the side-car that tells a grid's place.
+ *
+ * .npy and .vox hold voxels alone. Where their lattice lies stands in a side-car beside them, FILE.npy.json; without one
+ * the voxels start at 0 and have sides of 1. A side-car that is damaged or belongs to a grid of another size is an error. */
+#include "cli_shell/cli.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { READS_PARTS = CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT }; /* components chooses by itself */
+
+#define INPUT_ENDINGS CLI_MESHES_READ ", or " CLI_GRIDS " .nhdr .raw, also with .gz"
+
+int cli_kind_of_format(int32_t format)
+{
+    if (format < 0 || format > 30) return 0;
+    return (BVX_MESHES_WRITTEN >> format & 1) != 0 ? CLI_MESH : (BVX_GRIDS_READ >> format & 1) != 0 ? CLI_GRID : 0;
+}
+
+int cli_is_packed(const char *path)
+{
+    size_t const n = strlen(path);
+    return n > 3 && strcmp(path + n - 3, ".gz") == 0;
+}
+
+const char *cli_format_name(int32_t format)
+{
+    switch (format) {
+#define FORMAT_NAME(name, value, text) case name: return text;
+        BVX_FORMAT_LIST(FORMAT_NAME)
+#undef FORMAT_NAME
+    default: return "unknown";
+    }
+}
+
+int cli_needs_sidecar(int32_t format)
+{
+    return format == BVX_FORMAT_NPY || format == BVX_FORMAT_VOX;
+}
+
+char *cli_sidecar_name(const char *path)
+{
+    size_t const n = strlen(path) - (cli_is_packed(path) ? 3 : 0);
+    char *const name = malloc(n + 6);
+    if (name != NULL) {
+        memcpy(name, path, n);
+        memcpy(name + n, ".json", 6);
+    }
+    return name;
+}
+
+int cli_input_kind(cli_run *run, const char *path, int *kind)
+{
+    int32_t const format = cli_input_format(run, path);
+    *kind = format == BVX_FORMAT_GLB ? 0 : format == BVX_FORMAT_RAW ? CLI_GRID : cli_kind_of_format(format);
+    if (*kind != 0) return CLI_DONE;
+    if (strcmp(path, "-") == 0)
+        return cli_usage(run, "--format names no mesh format that is read, and no grid format (" CLI_MESHES_READ " " CLI_GRIDS ")");
+    if (format == BVX_FORMAT_GLB) return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
+    return cli_fail(run, "%s: the name ends in no mesh format that is read, and in no grid format (" INPUT_ENDINGS ")", path);
+}
+
+/* ---- grids ---- */
+
+/* A grid as large as the whole file, since a side-car tells of all of it; its words are not looked at. */
+static void stand_for_file(const bvx_grid *part, bvx_grid *whole)
+{
+    *whole = *part;
+    memset(whole->low, 0, sizeof whole->low);
+    memcpy(whole->size, part->lattice.dims, sizeof whole->size);
+    whole->words_per_row = (whole->size[0] - 1) / 64 + 1;
+    whole->word_capacity = UINT64_MAX;
+    if (whole->words == NULL) whole->words = &whole->word_capacity; /* a volume has none */
+}
+
+/* The part that was read gets its place on the side-car's lattice. */
+static bvx_status take_lattice(cli_run *run, const cli_bytes *b, bvx_grid *grid)
+{
+    bvx_grid whole;
+    bvx_status status;
+    stand_for_file(grid, &whole);
+    status = bvx_read_lattice(run->context, b->bytes, b->size, &whole);
+    if (status != BVX_OK) return status;
+    grid->lattice = whole.lattice;
+    for (int a = 0; a < 3; a++) grid->low[a] += whole.low[a];
+    return BVX_OK;
+}
+
+int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed)
+{
+    char *const name = strcmp(path, "-") == 0 ? NULL : cli_sidecar_name(path);
+    cli_bytes b = {NULL, 0, 0, 0};
+    FILE *file;
+    int status = CLI_DONE;
+    *placed = 0;
+    if (name == NULL) return strcmp(path, "-") == 0 ? CLI_DONE : cli_fail(run, "no memory for a file's name");
+    file = fopen(name, "rb");
+    if (file != NULL) {
+        fclose(file);
+        status = cli_read_file(run, name, &b);
+        if (status == CLI_DONE) {
+            bvx_status const read = take_lattice(run, &b, grid);
+            if (read != BVX_OK) status = cli_fail_status(run, read, name);
+            else *placed = 1;
+        }
+        free(b.bytes);
+    } else if (errno != ENOENT) {
+        status = cli_fail(run, "%s: %s", name, strerror(errno));
+    }
+    free(name);
+    return status;
+}
+
+/* A tree's fourth byte differs from a grid's. */
+static int holds_tree(int32_t format, const cli_bytes *b)
+{
+    static const unsigned char tree[4] = {0x89, 'B', 'V', 'O'};
+    return format == BVX_FORMAT_BVX && b->size >= sizeof tree && memcmp(b->bytes, tree, sizeof tree) == 0;
+}
+
+static int parse_grid(cli_run *run, const cli_bytes *b, const bvx_window *window, cli_input *in)
+{
+    int32_t const format = cli_input_format(run, in->path);
+    bvx_status read;
+    in->kind = holds_tree(format, b) ? CLI_TREE : CLI_GRID;
+    in->placed = 1;
+    cli_stage_begin(run, "parse");
+    if (in->kind == CLI_TREE) read = bvx_read_octree(run->context, b->bytes, b->size, &in->tree);
+    else read = bvx_read_grid(run->context, b->bytes, b->size, format, window, &in->grid);
+    cli_stage_end(run);
+    cli_note_peak(run, b->size);
+    bvx_memory_reset_peak(run->context);
+    return read == BVX_OK ? CLI_DONE : cli_fail_status(run, read, cli_input_name(in->path));
+}
+
+/* The chosen voxels of a volume. */
+static int read_selected(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
+{
+    bvx_volume_report report;
+    cli_volume v;
+    int status = cli_read_volume(run, path, window, &v);
+    in->kind = CLI_GRID;
+    in->placed = v.placed;
+    if (status == CLI_DONE) {
+        bvx_status selected;
+        cli_stage_begin(run, "threshold");
+        selected = cli_select_voxels(run, &v, &report, &in->grid);
+        cli_stage_end(run);
+        if (selected == BVX_OK && cli_keeps_parts(run)) selected = cli_keep_parts(run, &in->grid, &in->grid);
+        if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));
+        else cli_tell_volume(run, &v, &report);
+    }
+    cli_free_volume(run, &v);
+    return status;
+}
+
+static int keep_read_parts(cli_run *run, cli_input *in)
+{
+    bvx_status status;
+
+    if (in->kind == CLI_TREE) return cli_usage(run, "--keep-largest and --least-part are for grids; %s is an octree", cli_input_name(in->path));
+    status = cli_keep_parts(run, &in->grid, &in->grid);
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(in->path));
+}
+
+int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
+{
+    cli_bytes b = {NULL, 0, 0, 0};
+    int status;
+    memset(in, 0, sizeof *in);
+    in->path = path;
+    if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
+    status = cli_read_file(run, path, &b);
+    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
+    if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
+    if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && cli_keeps_parts(run)) status = keep_read_parts(run, in);
+    free(b.bytes);
+    if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path))) status = cli_read_sidecar(run, path, &in->grid, &in->placed);
+    return status;
+}
+
+static int refuse_of_trees(cli_run *run, const char *path, const char *kind)
+{
+    static const char *const of_trees[] = {"--expand", "--states"};
+
+    for (size_t i = 0; i < sizeof of_trees / sizeof of_trees[0]; i++)
+        if (cli_given(run, of_trees[i]))
+            return cli_usage(run, "%s is for octrees; %s is %s", of_trees[i], cli_input_name(path), kind);
+    return CLI_DONE;
+}
+
+int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed)
+{
+    static const bvx_window all = {{0, 0, 0}, {0, 0, 0}};
+    cli_input in;
+    int status = cli_read_grid_or_tree(run, path, window, &in);
+    if (status == CLI_DONE && in.kind == CLI_TREE)
+        status = cli_expand_tree(run, in.tree, window != NULL ? window : &all, cli_input_name(path), &in.grid);
+    else if (status == CLI_DONE) status = refuse_of_trees(run, path, "a grid");
+    bvx_octree_free(run->context, in.tree);
+    *grid = in.grid;
+    *placed = in.placed;
+    return status;
+}
+
+int cli_window_option(cli_run *run, bvx_window *window)
+{
+    const cli_list *const l = &run->options.window;
+    memset(window, 0, sizeof *window);
+    for (int a = 0; a < 3 && l->count != 0; a++) {
+        if (l->value[a] >= l->value[a + 3])
+            return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not behind %" PRId64, l->value[a + 3], l->value[a]);
+        window->low[a] = (int32_t)l->value[a];
+        window->size[a] = (int32_t)(l->value[a + 3] - l->value[a]);
+    }
+    return CLI_DONE;
+}
+
+/* ---- either ---- */
+
+int cli_read_input(cli_run *run, const char *path, cli_input *input)
+{
+    int status;
+    memset(input, 0, sizeof *input);
+    input->path = path;
+    status = cli_input_kind(run, path, &input->kind);
+    if (status != CLI_DONE) return status;
+    if (input->kind == CLI_GRID) return cli_read_grid(run, path, NULL, &input->grid, &input->placed);
+    if (refuse_of_trees(run, path, "a mesh") != CLI_DONE) return CLI_USAGE;
+    return cli_read_mesh(run, path, &input->mesh);
+}
+
+void cli_free_input(cli_run *run, cli_input *input)
+{
+    bvx_mesh_free(run->context, &input->mesh);
+    bvx_grid_free(run->context, &input->grid);
+    bvx_octree_free(run->context, input->tree);
+    input->tree = NULL;
+}

@@ -1,0 +1,71 @@
+/* kept_parts.c - --keep-largest and --least-part: which parts of voxels stay, wherever a grid is made or read. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+static uint64_t least_part_of(const cli_run *run)
+{
+    /* --least-part of lod is of measured surfaces. */
+    return run->command->bit != CLI_LOD && run->options.least_part > 0 ? (uint64_t)run->options.least_part : 0;
+}
+
+int cli_keeps_parts(const cli_run *run)
+{
+    return run->options.keep_largest != 0 || least_part_of(run) != 0;
+}
+
+int cli_check_parts(cli_run *run)
+{
+    const char *const name = run->options.keep_largest != 0 ? "--keep-largest" : "--least-part";
+
+    if (!cli_keeps_parts(run) || (run->command->bit & (CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0) return CLI_DONE;
+    for (int i = 0; i < run->options.inputs; i++)
+        if (cli_kind_of_format(cli_input_format(run, run->options.input[i])) == CLI_MESH)
+            return cli_usage(run, "%s is for grids and volumes; %s is a mesh", name, cli_input_name(run->options.input[i]));
+    return CLI_DONE;
+}
+
+bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
+{
+    int const own = !run->progress.named; /* else it is a part of the caller's stage */
+    bvx_keep_report report = {0};
+    bvx_keep_options o;
+    bvx_status status;
+
+    bvx_keep_options_init(&o, sizeof o);
+    o.largest = (uint64_t)run->options.keep_largest;
+    o.at_least = least_part_of(run);
+    o.report = &report;
+    if (own) cli_stage_begin(run, "keep");
+    status = bvx_grid_keep(run->context, grid, &o, kept);
+    if (own) cli_stage_end(run);
+    if (status != BVX_OK) return status;
+
+    run->report.parts.kept += report.kept;
+    run->report.parts.dropped += report.dropped;
+    run->report.parts.voxels_kept += report.voxels_kept;
+    run->report.parts.voxels_dropped += report.voxels_dropped;
+    run->report.has_parts = 1;
+    return BVX_OK;
+}
+
+void cli_say_parts(cli_run *run)
+{
+    const bvx_keep_report *const p = &run->report.parts;
+
+    if (!run->report.has_parts) return;
+    cli_say(run, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n", p->kept, p->kept + p->dropped, p->voxels_dropped);
+}
+
+void cli_report_parts(const cli_report *report, cli_text *t)
+{
+    const bvx_keep_report *const p = &report->parts;
+
+    if (!report->has_parts) return;
+    cli_text_add(t, ", \"parts\": {\"kept\": %" PRIu64, p->kept);
+    cli_json_count(t, "dropped", p->dropped);
+    cli_json_count(t, "voxels_kept", p->voxels_kept);
+    cli_json_count(t, "voxels_dropped", p->voxels_dropped);
+    cli_text_add(t, "}");
+}

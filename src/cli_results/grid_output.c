@@ -1,0 +1,103 @@
+/* grid_output.c - a grid as one file, or as two where its format keeps no lattice: all or nothing. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { VOX_SIDE = 256 };
+
+int cli_check_grid_name(cli_run *run, const char *path)
+{
+    if (cli_kind_of_format(bvx_format_of_name(path)) != CLI_GRID)
+        return cli_usage(run, "%s: the name ends in no grid format that is written (" CLI_GRIDS ")", path);
+    return CLI_DONE;
+}
+
+int cli_open_grid_output(cli_run *run, const char *path)
+{
+    char *name;
+    int status = cli_open_output(run, path);
+    if (status != CLI_DONE || !cli_needs_sidecar(bvx_format_of_name(path))) return status;
+    name = cli_sidecar_name(path);
+    status = name != NULL ? cli_open_output(run, name) : cli_fail(run, "no memory for a file's name");
+    free(name);
+    return status;
+}
+
+int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, const int32_t size[3])
+{
+    int32_t const format = bvx_format_of_name(path);
+    for (int a = 0; a < 3 && format == BVX_FORMAT_VOX; a++)
+        if (size[a] > VOX_SIDE)
+            return cli_fail(run, "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels; .vox holds at most %d a side: take another format, "
+                            "fewer voxels or a --window", path, size[0], size[1], size[2], VOX_SIDE);
+    if (format == BVX_FORMAT_BINVOX && (l->spacing[0] != l->spacing[1] || l->spacing[0] != l->spacing[2]))
+        return cli_fail(run, "%s: voxels of %.9g x %.9g x %.9g; .binvox holds cubic ones alone: take another format", path,
+                        l->spacing[0], l->spacing[1], l->spacing[2]);
+    return CLI_DONE;
+}
+
+/* Formats of other programs know a box of voxels and nothing around it. */
+void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
+{
+    int32_t const format = bvx_format_of_name(path);
+    const int32_t *const d = grid->lattice.dims;
+    if (cli_needs_sidecar(format) || format == BVX_FORMAT_BVX) return;
+    if (memcmp(grid->size, d, sizeof grid->size) == 0) return;
+    cli_warn(run, "%s holds these voxels alone: that they are a part of a lattice of %" PRId32 " x %" PRId32 " x %" PRId32 " is lost",
+             path, d[0], d[1], d[2]);
+}
+
+static int write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file)
+{
+    int const result = status == BVX_OK ? cli_write_output(run, number, file)
+                                        : cli_fail_status(run, status, run->options.output);
+    bvx_buffer_free(run->context, file);
+    return result;
+}
+
+int cli_write_grid(cli_run *run, const bvx_grid *grid)
+{
+    const char *const path = run->options.output;
+    int32_t const format = bvx_format_of_name(path);
+    bvx_buffer file = {0};
+    bvx_status status;
+    int result;
+    cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
+    status = bvx_write_grid(run->context, grid, format, &file);
+    result = write_buffer(run, 0, status, &file);
+    if (result == CLI_DONE && cli_needs_sidecar(format)) {
+        status = bvx_write_lattice(run->context, grid, &file);
+        result = write_buffer(run, 1, status, &file);
+    }
+    if (result == CLI_DONE) result = cli_keep_outputs(run);
+    cli_stage_end(run);
+    if (result == CLI_DONE) cli_warn_of_window(run, path, grid);
+    return result;
+}
+
+void cli_say_grid(cli_run *run, const bvx_grid *g, uint64_t set, int placed)
+{
+    const bvx_lattice *const l = &g->lattice;
+    double const all = (double)g->size[0] * g->size[1] * g->size[2];
+    double corner[3];
+    cli_grid_corner(g, 0.0, corner);
+    cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1], g->size[2]);
+    if (memcmp(g->size, l->dims, sizeof g->size) != 0)
+        cli_say(run, "  window      from %" PRId32 ",%" PRId32 ",%" PRId32 " of a lattice of %" PRId32 " x %" PRId32 " x %" PRId32 "\n",
+                g->low[0], g->low[1], g->low[2], l->dims[0], l->dims[1], l->dims[2]);
+    cli_say(run, "  voxels      %" PRIu64 " set, %.3g %% of all\n", set, 100.0 * (double)set / all);
+    cli_say(run, "  spacing     %.9g, %.9g, %.9g%s\n", l->spacing[0], l->spacing[1], l->spacing[2],
+            placed ? "" : " (taken so: no side-car tells it)");
+    cli_say(run, "  origin      %.9g, %.9g, %.9g%s\n", corner[0], corner[1], corner[2],
+            placed ? "" : " (taken so: no side-car tells it)");
+    cli_say_parts(run);
+}
+
+void cli_grid_corner(const bvx_grid *grid, double part, double corner[3])
+{
+    for (int a = 0; a < 3; a++)
+        corner[a] = grid->lattice.origin[a] + ((double)grid->low[a] + part) * grid->lattice.spacing[a];
+}

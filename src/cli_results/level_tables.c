@@ -1,0 +1,111 @@
+/* level_tables.c - what is told of levels: the input, a table of what each level is, a table of how near it
+ * stays. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { DISTANCE_SEED = 1 };
+
+int cli_is_sound(const bvx_certificate *c)
+{
+    return c->closed && c->edge_manifold && c->vertex_manifold && c->oriented;
+}
+
+void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *in, double diagonal)
+{
+    cli_say(run, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n",
+            cli_input_name(run->options.input[0]), triangles, in->closed ? "closed" : "not closed",
+            in->edge_manifold && in->vertex_manifold ? "manifold" : "not manifold",
+            in->oriented ? "oriented" : "not oriented", diagonal);
+}
+
+static int is_length(double diagonal)
+{
+    return diagonal > 0.0 && diagonal - diagonal == 0.0;
+}
+
+/* What was asked for: triangles, or a distance in percent of the diagonal. */
+static void target_text(const bvx_level_report *l, double diagonal, char *text, size_t room)
+{
+    if (l->target_error > 0.0 && is_length(diagonal))
+        snprintf(text, room, "%.4g%%", 100.0 * l->target_error / diagonal);
+    else if (l->target_error > 0.0) snprintf(text, room, "%.4g", l->target_error);
+    else snprintf(text, room, "%" PRIu64, l->target);
+}
+
+/* Sheets are open as they were asked to be. */
+static void defect_text(const bvx_level_report *l, char *text, size_t room)
+{
+    const bvx_certificate *const c = &l->certificate;
+
+    if (!c->edge_manifold || !c->vertex_manifold || !c->oriented) snprintf(text, room, "NO");
+    else if (l->crossings == 0) snprintf(text, room, "but open, %" PRIu64 " border edges", c->boundary_edges);
+    else
+        snprintf(text, room, "NO, open, %" PRIu64 " border edges, %" PRIu64 " pairs cross", c->boundary_edges,
+                 l->crossings);
+}
+
+void cli_say_collapsed(cli_run *run, int count, double diagonal)
+{
+    cli_say(run, "level  triangles  asked for    share  smallest angle  pieces  target   closed, manifold, "
+                 "oriented, no crossings\n");
+    for (int i = 0; i < count; i++) {
+        const cli_mesh_entry *const m = &run->report.mesh[i];
+        const bvx_level_report *const l = m->level;
+        char target[32], sound[96] = "yes";
+
+        target_text(l, diagonal, target, sizeof target);
+        if (l->crossings != 0)
+            snprintf(sound, sizeof sound, "NO, %" PRIu64 " pairs of triangles cross", l->crossings);
+        if (!cli_is_sound(&m->certificate)) defect_text(l, sound, sizeof sound);
+        cli_say(run, "%5d %10" PRIu64 " %10s %7.2f%% %10.2f deg %7" PRIu64 "  %-7s  %s\n", i,
+                m->certificate.triangles, target, m->rate * 100.0, l->least_angle, m->certificate.components,
+                l->met ? "met" : "NOT MET", sound);
+    }
+}
+
+static void say_distance(cli_run *run, double d, double diagonal, int decimals)
+{
+    double const part = d / diagonal;
+
+    if (is_length(diagonal) && part - part == 0.0)
+        cli_say(run, "  %9.3g %*.*f%%", d, 3 + decimals, decimals, 100.0 * part);
+    else cli_say(run, "  %9.3g %*s", d, 4 + decimals, "-");
+}
+
+void cli_say_distances(cli_run *run, int count, double diagonal, int decimals, const char *to,
+                       const char *unit_of)
+{
+    int const one = 16 + decimals;
+
+    if (run->report.mesh[0].distance == NULL) return;
+    cli_say(run,
+            "\ndistances %sin the %s's unit and in %% of its diagonal, from %" PRIu64
+            " random points on each mesh, seed %d\n",
+            to, unit_of, run->report.mesh[0].distance->samples, DISTANCE_SEED);
+    cli_say(run, "%*s%*s\n", 5 + 2 * one, "level to input", 2 * one, "input to level");
+    cli_say(run, "level%*s%*s%*s%*s\n", one, "mean", one, "max", one, "mean", one, "max");
+    for (int i = 0; i < count; i++) {
+        const bvx_distance_report *const d = run->report.mesh[i].distance;
+
+        cli_say(run, "%5d", i);
+        say_distance(run, d->mean_a_to_b, diagonal, decimals);
+        say_distance(run, d->max_a_to_b, diagonal, decimals);
+        say_distance(run, d->mean_b_to_a, diagonal, decimals);
+        say_distance(run, d->max_b_to_a, diagonal, decimals);
+        cli_say(run, "\n");
+    }
+}
+
+void cli_say_written(cli_run *run, int count)
+{
+    const cli_mesh_entry *const m = run->report.mesh;
+
+    cli_say(run, "\n");
+    for (int i = 0; i < count; i++)
+        if (i == 0 || strcmp(m[i].path, m[i - 1].path) != 0)
+            cli_say(run, "%s%s", i == 0 ? "written: " : ", ", m[i].path);
+    cli_say(run, "\n");
+}

@@ -1,0 +1,345 @@
+/* mesh_output.c - meshes as files: the names that are good for them, what formats cannot hold. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define WARNED_SHARE 64.0 /* rounding by more than this part of a mean edge turns triangles by a degree */
+
+const char *cli_number_place(const char *pattern, size_t *length, int *digits)
+{
+    for (const char *p = strchr(pattern, '%'); p != NULL; p = strchr(p + 1, '%')) {
+        int const padded = p[1] == '0' && p[2] >= '1' && p[2] <= '9';
+        size_t const n = padded ? 4 : 2;
+        if (p[n - 1] != 'd') continue;
+        *length = n;
+        *digits = padded ? p[2] - '0' : 0;
+        return p;
+    }
+    return NULL;
+}
+
+int cli_has_number(const char *pattern)
+{
+    size_t length;
+    int digits;
+    return cli_number_place(pattern, &length, &digits) != NULL;
+}
+
+int cli_has_two_numbers(const char *pattern)
+{
+    size_t length;
+    int digits;
+    const char *const place = cli_number_place(pattern, &length, &digits);
+    return place != NULL && cli_has_number(place + length);
+}
+
+char *cli_numbered_path(const char *pattern, int64_t number)
+{
+    size_t const room = strlen(pattern) + 32;
+    size_t length = 0;
+    int digits = 0;
+    const char *const place = cli_number_place(pattern, &length, &digits);
+    char *const path = malloc(room);
+
+    if (path == NULL) return NULL;
+    if (place == NULL) snprintf(path, room, "%s", pattern);
+    else snprintf(path, room, "%.*s%0*" PRId64 "%s", (int)(place - pattern), pattern, digits, number, place + length);
+    return path;
+}
+
+int cli_check_mesh_name(cli_run *run, const char *path)
+{
+    if (cli_kind_of_format(bvx_format_of_name(path)) == CLI_MESH) return CLI_DONE;
+    return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")",
+                     path);
+}
+
+int cli_check_level_names(cli_run *run, int count)
+{
+    const char *const out = run->options.output;
+
+    if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
+    if (cli_has_number(out) || count == 1 || bvx_format_of_name(out) == BVX_FORMAT_GLB) return CLI_DONE;
+    if (count != 0)
+        return cli_usage(
+            run, "%s: %d levels need %%d in the name, for the number of each; only .glb holds several", out,
+            count);
+    return cli_usage(run,
+                     "%s: several levels need %%d in the name, for the number of each; only .glb holds "
+                     "several, and --count 1 or "
+                     "--triangles N makes one",
+                     out);
+}
+
+int cli_check_output_origin(cli_run *run)
+{
+    const char *const out = run->options.output;
+
+    if (!run->options.output_origin.given || cli_kind_of_format(bvx_format_of_name(out)) == CLI_MESH) return CLI_DONE;
+    return cli_usage(run, "--output-origin is for meshes; %s is not a mesh", out);
+}
+
+int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
+{
+    const char *const in = cli_input_name(run->options.input[0]), *const out = run->options.output;
+
+    if (!run->options.carry) return CLI_DONE;
+    if (mesh->colours == NULL && mesh->uvs == NULL)
+        return cli_usage(run, "%s has neither colours nor texture coordinates that --carry could carry", in);
+    if (mesh->colours == NULL && bvx_format_of_name(out) == BVX_FORMAT_OFF)
+        return cli_usage(run, "%s: .off holds no texture coordinates, and %s has no colours for --carry", out,
+                         in);
+    return CLI_DONE;
+}
+
+int cli_check_carry_name(cli_run *run)
+{
+    const char *const out = run->options.output;
+
+    if (!run->options.carry || bvx_format_of_name(out) != BVX_FORMAT_STL) return CLI_DONE;
+    return cli_usage(
+        run, "%s: .stl holds neither colours nor texture coordinates; take .ply, .obj or .glb for --carry",
+        out);
+}
+
+void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh)
+{
+    int32_t const format = bvx_format_of_name(path);
+    int const colours = mesh->colours != NULL && format == BVX_FORMAT_STL;
+    int const uvs = mesh->uvs != NULL && (format == BVX_FORMAT_STL || format == BVX_FORMAT_OFF);
+
+    if (!colours && !uvs) return;
+    cli_warn(run, "%s: .%s cannot hold %s%s%s, which are lost", path, cli_format_name(format),
+             colours ? "colours" : "", colours && uvs ? " and " : "", uvs ? "texture coordinates" : "");
+}
+
+int cli_check_sharp(cli_run *run)
+{
+    if (run->options.sharp && run->options.no_sharp) return cli_usage(run, "--sharp and --no-sharp exclude each other");
+    return CLI_DONE;
+}
+
+int cli_check_normals(cli_run *run)
+{
+    const char *const out = run->options.output;
+    int32_t const format = bvx_format_of_name(out);
+    int const holds = format == BVX_FORMAT_PLY || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_GLB;
+
+    if (!run->options.normals || holds) return CLI_DONE;
+    return cli_usage(run, "%s: --normals is for .ply and .obj; %s", out,
+                     format == BVX_FORMAT_STL ? ".stl has the normals of triangles only"
+                                              : "no normals are written to this format");
+}
+
+/* ---- what the file holds ---- */
+
+/* The mesh as its file has it: less --output-origin. The arrays stay those of the mesh. */
+static bvx_mesh placed_mesh(const cli_run *run, const bvx_mesh *mesh)
+{
+    bvx_mesh placed = *mesh;
+
+    for (int a = 0; a < 3; a++) placed.frame[a] -= run->options.output_origin.value[a];
+    return placed;
+}
+
+/* 1 when readers of the file do not simply get the mesh: STL has no indices, STL and GLB hold floats. */
+static int file_differs(const bvx_mesh *placed, int32_t format)
+{
+    int const framed = placed->frame[0] != 0.0 || placed->frame[1] != 0.0 || placed->frame[2] != 0.0;
+
+    return format == BVX_FORMAT_STL || framed || (format == BVX_FORMAT_GLB && placed->position_type == BVX_F64);
+}
+
+/* A round origin that brings a box near to 0: whole multiples of a power of ten not below its longest side. 0 when the
+ * box is not far. */
+static int near_origin(const bvx_certificate *c, double origin[3])
+{
+    double longest = 0.0, farthest = 0.0, step = 1.0;
+
+    for (int a = 0; a < 3; a++) {
+        longest = fmax(longest, c->high[a] - c->low[a]);
+        farthest = fmax(farthest, fmax(fabs(c->low[a]), fabs(c->high[a])));
+    }
+    if (!(farthest > 16.0 * longest) || farthest > 1e15) return 0;
+
+    while (step < longest) step *= 10.0;
+    for (int a = 0; a < 3; a++) origin[a] = floor((c->low[a] * 0.5 + c->high[a] * 0.5) / step + 0.5) * step + 0.0;
+    return 1;
+}
+
+static int refuse_rounding(cli_run *run, const bvx_mesh *placed, const char *path, const bvx_write_report *r)
+{
+    int32_t const format = bvx_format_of_name(path);
+    double origin[3];
+    bvx_certificate box = {0};
+    bvx_mesh_view view;
+    char advice[128] = "";
+
+    bvx_mesh_view_of(placed, &view);
+    if (bvx_mesh_check(run->context, &view, 0, &box) == BVX_OK && near_origin(&box, origin))
+        snprintf(advice, sizeof advice, ", or --output-origin %.15g,%.15g,%.15g to bring it near", origin[0], origin[1], origin[2]);
+    return cli_fail(run, "%s: .%s holds 32-bit floats: they would move vertices by up to %.2g, where edges have a mean length of "
+                    "%.2g, and %" PRIu64 " of %" PRIu64 " triangles would lose their area or be turned over; take %s%s",
+                    path, cli_format_name(format), r->largest_move, r->mean_edge, r->spoilt, placed->triangle_count,
+                    format == BVX_FORMAT_STL ? ".ply, .obj, .off or .glb" : ".ply, .obj or .off", advice);
+}
+
+/* What a file that is written all the same makes worse. */
+static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *path, const bvx_write_report *r)
+{
+    const char *const format = cli_format_name(bvx_format_of_name(path));
+    bvx_certificate own;
+    bvx_mesh_view view;
+
+    if (r->spoilt != 0)
+        cli_warn(run, "%s: the 32-bit floats of .%s leave %" PRIu64 " of %" PRIu64 " triangles without area or turned over",
+                 path, format, r->spoilt, placed->triangle_count);
+    else if (r->largest_move * WARNED_SHARE > r->mean_edge)
+        cli_warn(run, "%s: the 32-bit floats of .%s move vertices by up to %.2g, where edges have a mean length of %.2g; "
+                 "--output-origin brings the mesh near 0", path, format, r->largest_move, r->mean_edge);
+    if (cli_is_sound(&r->file)) return;
+
+    bvx_mesh_view_of(placed, &view);
+    if (bvx_mesh_check(run->context, &view, 0, &own) != BVX_OK || !cli_is_sound(&own)) return;
+    cli_warn(run, "%s: the mesh is closed, manifold and oriented, but not as .%s: its readers join vertices at equal positions, "
+             "and %" PRIu64 " edges and %" PRIu64 " vertices are not manifold then", path, format, r->file.nonmanifold_edges,
+             r->file.nonmanifold_vertices);
+}
+
+/* Certify meshes as one file holds them; number: the report's entry of the first, if it has one. */
+static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int number, const char *path)
+{
+    bvx_write_report *const report = calloc((size_t)count, sizeof *report);
+    bvx_status status;
+    int result = CLI_DONE;
+
+    if (report == NULL) return cli_fail(run, "no memory for the report of %d meshes", count);
+    cli_stage_begin(run, "check file");
+    status = bvx_check_written(run->context, placed, (uint64_t)count, bvx_format_of_name(path), report);
+    cli_stage_end(run);
+    if (status != BVX_OK) result = cli_fail_status(run, status, path);
+
+    for (int i = 0; i < count && result == CLI_DONE; i++) {
+        if (!report[i].fits) {
+            result = refuse_rounding(run, &placed[i], path, &report[i]);
+            continue;
+        }
+        warn_of_rounding(run, &placed[i], path, &report[i]);
+        if (number + i < run->report.meshes) run->report.mesh[number + i].certificate = report[i].file;
+    }
+    free(report);
+    return result;
+}
+
+/* ---- out ---- */
+
+static int judge_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
+{
+    bvx_mesh const placed = placed_mesh(run, mesh);
+
+    return file_differs(&placed, bvx_format_of_name(path)) ? certify_file(run, &placed, 1, number, path) : CLI_DONE;
+}
+
+/* The mesh is judged. */
+static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
+{
+    bvx_mesh const placed = placed_mesh(run, mesh);
+    bvx_write_options o;
+    bvx_buffer file = {0};
+    bvx_status status;
+    int result;
+
+    bvx_write_options_init(&o, sizeof o);
+    o.normals = run->options.normals;
+    o.rounding = BVX_ROUNDING_ALLOW;
+    status = bvx_write_mesh_with(run->context, &placed, &o, bvx_format_of_name(path), &file);
+    result = status == BVX_OK ? cli_write_output(run, number, &file) : cli_fail_status(run, status, path);
+    bvx_buffer_free(run->context, &file);
+    return result;
+}
+
+int cli_write_mesh_as(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
+{
+    int result = judge_mesh(run, mesh, number, path);
+
+    if (result != CLI_DONE) return result;
+    cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
+    result = put_mesh(run, mesh, number, path);
+    cli_stage_end(run);
+    return result;
+}
+
+int cli_write_mesh(cli_run *run, const bvx_mesh *mesh)
+{
+    int result = judge_mesh(run, mesh, 0, run->options.output);
+
+    if (result != CLI_DONE) return result;
+    cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
+    result = put_mesh(run, mesh, 0, run->options.output);
+    if (result == CLI_DONE) result = cli_keep_outputs(run);
+    cli_stage_end(run);
+    return result;
+}
+
+int cli_open_levels(cli_run *run, int count, char **path)
+{
+    int const in_one = !cli_has_number(run->options.output);
+    int status = CLI_DONE;
+
+    for (int i = 0; i < count && status == CLI_DONE; i++) {
+        path[i] = in_one && i > 0 ? path[0] : cli_numbered_path(run->options.output, i);
+        if (path[i] == NULL) return cli_fail(run, "no memory for a file's name");
+        if (!in_one || i == 0) status = cli_open_output(run, path[i]);
+    }
+    return status;
+}
+
+static int put_levels_file(cli_run *run, const bvx_mesh *placed, int count, const char *path)
+{
+    bvx_buffer file = {0};
+    bvx_status const status = bvx_write_levels(run->context, placed, (uint64_t)count, bvx_format_of_name(path), &file);
+    int const result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path);
+
+    bvx_buffer_free(run->context, &file);
+    return result;
+}
+
+/* All levels in one file. */
+static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, const char *path)
+{
+    bvx_mesh *const placed = malloc((size_t)count * sizeof *placed);
+    int result;
+
+    if (placed == NULL) return cli_fail(run, "no memory for %d levels", count);
+    for (int i = 0; i < count; i++) placed[i] = placed_mesh(run, &levels[i]);
+
+    result = certify_file(run, placed, count, 0, path);
+    cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
+    if (result == CLI_DONE) result = put_levels_file(run, placed, count, path);
+    if (result == CLI_DONE) result = cli_keep_outputs(run);
+    if (result == CLI_DONE) cli_stage_end(run);
+    free(placed);
+    return result;
+}
+
+int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path)
+{
+    int result = CLI_DONE;
+
+    if (count > 1 && path[1] == path[0]) return write_levels_file(run, levels, count, path[0]);
+
+    for (int i = 0; i < count && result == CLI_DONE; i++) result = judge_mesh(run, &levels[i], i, path[i]);
+    cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2 * count);
+    for (int i = 0; i < count && result == CLI_DONE; i++) result = put_mesh(run, &levels[i], i, path[i]);
+    if (result == CLI_DONE) result = cli_keep_outputs(run);
+    if (result == CLI_DONE) cli_stage_end(run);
+    return result;
+}

@@ -1,0 +1,145 @@
+/* messages.c - what is said to people: errors in one line, warnings, text. */
+#include "cli_shell/cli.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One line, whatever a file's name holds. */
+static void tame(char *text)
+{
+    for (char *p = text; *p != 0; p++)
+        if ((unsigned char)*p < 32 || *p == 127) *p = '?';
+}
+
+/* "IN: " in front of a message about one of several inputs that does not name it itself, else "". */
+static void name_input(const cli_run *run, const char *message, char *prefix, size_t room)
+{
+    const char *const in = run->options.input[0];
+
+    prefix[0] = 0;
+    if (run->batch && strncmp(message, in, strlen(in)) != 0) snprintf(prefix, room, "%s: ", in);
+    tame(prefix);
+}
+
+/* Keep an error for the report and say it; from here on the exit status is known. */
+static int tell_error(cli_run *run, int status, const char *code, const char *message)
+{
+    cli_report *const r = &run->report;
+    char prefix[512];
+    name_input(run, message, prefix, sizeof prefix);
+    cli_lock();
+    snprintf(r->error_code, sizeof r->error_code, "%s", code);
+    snprintf(r->error_message, sizeof r->error_message, "%s", message);
+    tame(r->error_message);
+    cli_watch_decide(status);
+    cli_unlock();
+    cli_clear_bar(run);
+    fflush(stdout);
+    fprintf(stderr, "bitvox: %s%s\n", prefix, r->error_message);
+    cli_watch_told();
+    return status;
+}
+
+int cli_fail(cli_run *run, const char *format, ...)
+{
+    char text[sizeof run->report.error_message];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    return tell_error(run, CLI_FAILED, "FILE", text);
+}
+
+int cli_usage(cli_run *run, const char *format, ...)
+{
+    char text[sizeof run->report.error_message];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    return tell_error(run, CLI_USAGE, "USAGE", text);
+}
+
+void cli_interrupt_text(const cli_run *run, char *text, size_t room)
+{
+    const char *cut = NULL;
+    int kept = 0;
+    for (int i = 0; i < run->outputs; i++) {
+        if (run->output[i].begun) cut = run->output[i].path;
+        kept += run->output[i].kept;
+    }
+    if (kept != 0) snprintf(text, room, "interrupted; what was asked for is written");
+    else if (cut != NULL) snprintf(text, room, "interrupted; %s may have got a part of its bytes", cut);
+    else snprintf(text, room, "interrupted; nothing was written");
+    tame(text);
+}
+
+int cli_fail_interrupted(cli_run *run)
+{
+    char text[sizeof run->report.error_message];
+    cli_interrupt_text(run, text, sizeof text);
+    return tell_error(run, CLI_INTERRUPTED, "BVX_CANCELLED", text);
+}
+
+static const char *status_name(bvx_status status)
+{
+    switch (status) {
+#define NAME_OF_STATUS(name, value, text) \
+    case name: return #name;
+        BVX_STATUS_LIST(NAME_OF_STATUS)
+#undef NAME_OF_STATUS
+    default: return "UNKNOWN";
+    }
+}
+
+int cli_fail_status(cli_run *run, bvx_status status, const char *about)
+{
+    return cli_fail_advised(run, status, about, "");
+}
+
+int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice)
+{
+    char text[sizeof run->report.error_message];
+    const char *const message = run->context != NULL ? bvx_last_error(run->context)->text : "";
+    if (status == BVX_CANCELLED) return cli_fail_interrupted(run);
+    snprintf(text, sizeof text, "%s%s%s%s", about != NULL ? about : "", about != NULL ? ": " : "",
+             message[0] != 0 ? message : bvx_status_text(status), advice);
+    return tell_error(run, CLI_FAILED, status_name(status), text);
+}
+
+void cli_warn(cli_run *run, const char *format, ...)
+{
+    cli_report *const r = &run->report;
+    char text[512], prefix[512], *copy;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    tame(text);
+    cli_clear_bar(run);
+    fflush(stdout);
+    name_input(run, text, prefix, sizeof prefix);
+    if (!run->options.quiet) fprintf(stderr, "bitvox: warning: %s%s\n", prefix, text);
+    copy = malloc(strlen(text) + 1);
+    if (copy == NULL) return;
+    memcpy(copy, text, strlen(text) + 1);
+    cli_lock();
+    if (r->warnings < CLI_MAX_WARNINGS) {
+        r->warning[r->warnings++] = copy;
+        copy = NULL;
+    }
+    cli_unlock();
+    free(copy);
+}
+
+void cli_say(cli_run *run, const char *format, ...)
+{
+    va_list args;
+    if (run->options.quiet || run->options.json || (run->standard_taken && run->standard_name[0] == 0)) return;
+    cli_clear_bar(run);
+    va_start(args, format);
+    vfprintf(run->standard_taken ? stderr : stdout, format, args);
+    va_end(args);
+}

@@ -1,0 +1,421 @@
+/* outputs.c - whole files out, all or none.
+ *
+ * An output is written under a temporary name in its own folder, which also shows at once whether that is possible, and
+ * gets its name when everything is done; whatever happens before leaves the folder as it was. So an output may also be
+ * the file that is read. Symbolic links stay, and what they point at is replaced. What is no plain file (a pipe, a
+ * device, standard output by one of its names) is written in place. */
+#if defined(__unix__) || defined(__APPLE__)
+#define _POSIX_C_SOURCE 200809L
+#define OUTPUTS_POSIX 1
+#else
+#define OUTPUTS_POSIX 0
+#endif
+
+#include "cli_shell/cli.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#if OUTPUTS_POSIX
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
+
+enum { OUTPUT_CHUNK = 1 << 20, OUTPUT_TRIES = 1000 };
+
+/* ---- names ---- */
+
+static char *copy_text(const char *text)
+{
+    char *const copy = malloc(strlen(text) + 1);
+    if (copy != NULL) memcpy(copy, text, strlen(text) + 1);
+    return copy;
+}
+
+/* Length of the folder's part of a path, its last slash included. */
+static size_t folder_length(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+#if defined(_WIN32)
+    const char *const back = strrchr(path, '\\');
+    if (back != NULL && (slash == NULL || back > slash)) slash = back;
+#endif
+    return slash != NULL ? (size_t)(slash - path) + 1 : 0;
+}
+
+/* Name number i beside path, short so that it fits where path fits. */
+static char *name_beside(const char *path, int i, const char *ending)
+{
+    size_t const folder = folder_length(path), room = folder + 64;
+    char *const name = malloc(room);
+    long process = 0;
+#if OUTPUTS_POSIX
+    process = (long)getpid();
+#endif
+    if (name != NULL) snprintf(name, room, "%.*sbitvox-%ld-%d.%s", (int)folder, path, process, i, ending);
+    return name;
+}
+
+#if OUTPUTS_POSIX
+
+/* The file behind symbolic links, also when there is none yet. NULL with errno. */
+static char *follow_links(const char *path)
+{
+    char *now = copy_text(path);
+    for (int i = 0; i < 40 && now != NULL; i++) {
+        char link[4096];
+        ssize_t const n = readlink(now, link, sizeof link);
+        size_t const folder = n > 0 && link[0] == '/' ? 0 : folder_length(now);
+        char *next;
+        if (n < 0 || (size_t)n >= sizeof link) return now; /* no link */
+        next = malloc(folder + (size_t)n + 1);
+        if (next != NULL) {
+            memcpy(next, now, folder);
+            memcpy(next + folder, link, (size_t)n);
+            next[folder + (size_t)n] = 0;
+        }
+        free(now);
+        now = next;
+    }
+    free(now);
+    errno = now == NULL ? ENOMEM : ELOOP;
+    return NULL;
+}
+
+/* Kind and target of what stands at o->path, and its mode (0: nothing stands there). 0 with errno when it is refused. */
+static int look_at_output(cli_output *o, unsigned *mode)
+{
+    struct stat s, standard, behind;
+    if (stat(o->path, &s) != 0) {
+        if (errno != ENOENT) return 0;
+    } else {
+        if (S_ISDIR(s.st_mode)) {
+            errno = EISDIR;
+            return 0;
+        }
+        if (fstat(STDOUT_FILENO, &standard) == 0 && standard.st_dev == s.st_dev && standard.st_ino == s.st_ino)
+            o->kind = CLI_OUT_STANDARD;
+        else if (access(o->path, W_OK) != 0) return 0;
+        else if (!S_ISREG(s.st_mode)) o->kind = CLI_OUT_IN_PLACE;
+        if (o->kind != CLI_OUT_NEW) return 1;
+        *mode = (unsigned)s.st_mode & 0777u;
+    }
+    o->target = follow_links(o->path);
+    if (o->target == NULL) return 0;
+    if (*mode != 0 && (stat(o->target, &behind) != 0 || behind.st_dev != s.st_dev || behind.st_ino != s.st_ino))
+        o->kind = CLI_OUT_IN_PLACE; /* open somewhere, but without a name */
+    return 1;
+}
+
+static FILE *create_file(const char *name, unsigned mode)
+{
+    int const number = open(name, O_WRONLY | O_CREAT | O_EXCL, mode != 0 ? (mode_t)mode : 0666);
+    FILE *file;
+    if (number < 0) return NULL;
+    if (mode != 0) (void)!fchmod(number, (mode_t)mode); /* as the file that it will replace */
+    file = fdopen(number, "wb");
+    if (file == NULL) close(number);
+    return file;
+}
+
+/* A second name for what stands at path, or another one where the file system has no second names. */
+static int move_aside(const char *path, const char *name)
+{
+    struct stat s;
+    if (lstat(path, &s) != 0) return 0;
+    if (S_ISDIR(s.st_mode)) {
+        errno = EISDIR;
+        return 0;
+    }
+    if (link(path, name) == 0) return 1;
+    if (errno == EEXIST || lstat(name, &s) == 0) {
+        errno = EEXIST;
+        return 0;
+    }
+    return rename(path, name) == 0;
+}
+
+int cli_are_one_file(const char *a, const char *b)
+{
+    struct stat s, t;
+    return stat(a, &s) == 0 && stat(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+}
+
+#else
+
+static int look_at_output(cli_output *o, unsigned *mode)
+{
+    (void)mode;
+    o->target = copy_text(o->path);
+    return o->target != NULL;
+}
+
+static int is_there(const char *name)
+{
+    FILE *const file = fopen(name, "rb");
+    if (file != NULL) fclose(file);
+    return file != NULL;
+}
+
+static FILE *create_file(const char *name, unsigned mode)
+{
+    (void)mode;
+    errno = EEXIST;
+    return is_there(name) ? NULL : fopen(name, "wb");
+}
+
+static int move_aside(const char *path, const char *name)
+{
+    errno = ENOENT;
+    if (!is_there(path)) return 0;
+    errno = EEXIST;
+    return !is_there(name) && rename(path, name) == 0;
+}
+
+int cli_are_one_file(const char *a, const char *b)
+{
+    (void)a;
+    (void)b;
+    return 0; /* one name alone */
+}
+
+#endif
+
+/* ---- opening and writing ---- */
+
+/* A new file beside the target. 0 with errno. */
+static int make_temporary(cli_output *o, unsigned mode)
+{
+    FILE *file = NULL;
+    for (int i = 0; i < OUTPUT_TRIES && file == NULL; i++) {
+        o->temporary = name_beside(o->target, i, "part");
+        if (o->temporary == NULL) return 0;
+        file = create_file(o->temporary, mode);
+        if (file != NULL) break;
+        free(o->temporary);
+        o->temporary = NULL;
+        if (errno != EEXIST) return 0;
+    }
+    return file != NULL && fclose(file) == 0;
+}
+
+/* The output opened before whose file this one would replace too, or NULL. */
+static const char *same_file(const cli_run *run, const cli_output *o)
+{
+    for (int i = 0; i < run->outputs; i++) {
+        const cli_output *const other = &run->output[i];
+        if (other != o && o->kind == CLI_OUT_NEW && other->kind == CLI_OUT_NEW && strcmp(other->target, o->target) == 0) return other->path;
+    }
+    return NULL;
+}
+
+int cli_open_output(cli_run *run, const char *path)
+{
+    cli_output *const o = &run->output[run->outputs];
+    const char *same;
+    unsigned mode = 0;
+    int good, error;
+    if (run->outputs == CLI_MAX_OUTPUTS) return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
+    if (cli_is_packed(path) && !cli_can_pack())
+        return cli_fail(run, "%s: this build cannot pack: it was made without zlib; give a name without .gz", path);
+    cli_lock();
+    memset(o, 0, sizeof *o);
+    o->path = copy_text(path);
+    run->outputs++;
+    errno = ENOMEM;
+    if (cli_is_standard_output(run, path)) o->kind = CLI_OUT_STANDARD;
+    good = o->path != NULL && (o->kind == CLI_OUT_STANDARD || look_at_output(o, &mode));
+    same = good ? same_file(run, o) : NULL;
+    good = good && same == NULL && (o->kind != CLI_OUT_NEW || make_temporary(o, mode));
+    error = errno;
+    cli_unlock();
+    if (same != NULL) return cli_fail(run, "%s and %s are one file", same, path);
+    if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
+    if (run->standard_name[0] != 0 && run->outputs > 1)
+        return cli_usage(run, "-o - is for one output; %s would be another", strcmp(path, run->standard_name) != 0 ? path : run->output[0].path);
+    if (o->kind != CLI_OUT_STANDARD || cli_is_standard_output(run, path)) return CLI_DONE;
+    if (run->options.json) return cli_usage(run, "%s is standard output, where --json writes its report", path);
+    run->standard_taken = 1;
+    return CLI_DONE;
+}
+
+static FILE *open_for_writing(cli_output *o)
+{
+    FILE *file;
+    if (o->kind == CLI_OUT_NEW) {
+        cli_lock(); /* a temporary that an interrupt has removed is not made again */
+        file = fopen(o->temporary, "r+b"); /* ext4 writes out truncated files at once when they close */
+    } else {
+        file = o->kind == CLI_OUT_STANDARD ? stdout : fopen(o->path, "wb"); /* may wait for a reader */
+        cli_lock();
+        o->begun = 1;
+    }
+    cli_unlock();
+    return file;
+}
+
+static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
+{
+    int const standard = o->kind == CLI_OUT_STANDARD;
+    FILE *const file = open_for_writing(o);
+    uint64_t written = 0;
+    int error = file == NULL ? errno : 0, stopped = 0;
+    if (error == EINTR && cli_interrupted()) return cli_fail_interrupted(run); /* while a pipe had no reader */
+    if (file == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
+    setvbuf(file, NULL, _IONBF, 0); /* parts are large, and after a failure it must be known how much was taken */
+    while (written < buffer->size && error == 0 && !stopped) {
+        size_t const rest = (size_t)(buffer->size - written), part = rest < OUTPUT_CHUNK ? rest : OUTPUT_CHUNK;
+        size_t taken;
+        errno = 0;
+        taken = fwrite(buffer->bytes + written, 1, part, file);
+        written += taken;
+        if (taken != part) error = errno != 0 ? errno : EIO;
+        stopped = cli_progress(run, "write", (double)written / (double)buffer->size) != 0;
+        if (error != EINTR) continue;
+        error = 0; /* a signal that is none of ours: the rest follows */
+        clearerr(file);
+    }
+    errno = 0;
+    if ((standard ? fflush(file) : fclose(file)) != 0 && error == 0) error = errno != 0 ? errno : EIO;
+    if (stopped) return cli_fail_interrupted(run);
+    if (error != 0) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
+    return CLI_DONE;
+}
+
+int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
+{
+    cli_output *const o = &run->output[number];
+    bvx_buffer packed = {0};
+    int status;
+
+    if (!cli_is_packed(o->path)) return write_bytes(run, o, buffer);
+
+    status = cli_pack(run, o->path, buffer, &packed);
+    if (status == CLI_DONE) status = write_bytes(run, o, &packed);
+    free(packed.bytes);
+    return status;
+}
+
+/* ---- the end ---- */
+
+/* What stands at the target gets another name until all is well. */
+static int set_aside(cli_output *o)
+{
+    for (int i = 0; i < OUTPUT_TRIES; i++) {
+        char *const name = name_beside(o->target, i, "old");
+        if (name == NULL) return 0;
+        if (move_aside(o->target, name)) {
+            o->older = name;
+            return 1;
+        }
+        free(name);
+        if (errno != EEXIST) return errno == ENOENT; /* nothing stands there */
+    }
+    return 0;
+}
+
+static int give_name(cli_output *o)
+{
+    if (o->kind == CLI_OUT_NEW && rename(o->temporary, o->target) != 0) return 0;
+    free(o->temporary);
+    o->temporary = NULL;
+    o->kept = 1;
+    return 1;
+}
+
+/* The first n outputs go, and what stood there comes back. Returns an output whose older file could not, or NULL. */
+static cli_output *take_back(cli_run *run, int n)
+{
+    cli_output *lost = NULL;
+    for (int i = 0; i < run->outputs; i++) {
+        cli_output *const o = &run->output[i];
+        o->kept = 0;
+        if (o->older == NULL && i < n && o->kind == CLI_OUT_NEW) remove(o->target);
+        if (o->older == NULL) continue;
+        if (cli_are_one_file(o->older, o->target)) remove(o->older); /* it still stands there */
+        else if (rename(o->older, o->target) != 0) lost = o;
+    }
+    return lost;
+}
+
+/* All that may be in the way is moved there before the first output gets its name. Returns how many are ready. */
+static int set_all_aside(cli_run *run)
+{
+    int const careful = run->outputs > 1 || !OUTPUTS_POSIX; /* one rename alone is all or nothing, where it replaces */
+    int n = 0;
+    while (n < run->outputs && (!careful || run->output[n].kind != CLI_OUT_NEW || set_aside(&run->output[n]))) n++;
+    return n;
+}
+
+static void forget_older(cli_output *o)
+{
+    free(o->older);
+    o->older = NULL;
+}
+
+/* All have their names, so what stood there is needed no more. */
+static void drop_older(cli_run *run)
+{
+    for (int i = 0; i < run->outputs; i++)
+        if (run->output[i].older != NULL && remove(run->output[i].older) == 0) forget_older(&run->output[i]);
+}
+
+static int fail_to_keep(cli_run *run, const cli_output *o, int error, const cli_output *lost)
+{
+    if (lost == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
+    return cli_fail(run, "%s: cannot be written: %s; what stood at %s is now %s", o->path, strerror(error), lost->path, lost->older);
+}
+
+int cli_keep_outputs(cli_run *run)
+{
+    cli_output *lost = NULL;
+    int ready, named = 0, good, error;
+    if (cli_interrupted()) return cli_fail_interrupted(run);
+    cli_lock();
+    ready = set_all_aside(run);
+    if (ready == run->outputs)
+        while (named < run->outputs && give_name(&run->output[named])) named++;
+    error = errno;
+    good = named == run->outputs;
+    if (good) drop_older(run);
+    else lost = take_back(run, named);
+    if (good) cli_watch_kept();
+    cli_unlock();
+    if (!good) fail_to_keep(run, &run->output[ready < run->outputs ? ready : named], error, lost);
+    for (int i = 0; i < run->outputs; i++) {
+        cli_output *const o = &run->output[i];
+        if (good && o->older != NULL) cli_warn(run, "%s, which stood at %s, cannot be removed", o->older, o->path);
+        forget_older(o);
+    }
+    return good ? CLI_DONE : CLI_FAILED;
+}
+
+/* The system takes a large file apart when its last user closes it: kept open here, that is not now. */
+void cli_remove_temporaries(cli_run *run)
+{
+    for (int i = 0; i < run->outputs; i++) {
+        const char *const name = run->output[i].temporary;
+        if (name == NULL) continue;
+#if OUTPUTS_POSIX
+        struct stat s;
+        int const number = open(name, O_RDONLY);
+        if (number >= 0 && fstat(number, &s) == 0) run->removed_bytes += (uint64_t)s.st_size;
+#endif
+        remove(name);
+    }
+}
+
+void cli_drop_outputs(cli_run *run)
+{
+    cli_lock();
+    cli_remove_temporaries(run);
+    for (int i = 0; i < run->outputs; i++) {
+        cli_output *const o = &run->output[i];
+        free(o->temporary);
+        free(o->target);
+        o->temporary = o->target = NULL;
+    }
+    cli_unlock();
+}

@@ -1,0 +1,174 @@
+/* report.c - the run as one JSON object for programs. */
+#include "cli_shell/cli.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+static void report_certificate(cli_text *t, const bvx_certificate *c)
+{
+    cli_json_count(t, "vertices", c->vertices);
+    cli_json_count(t, "triangles", c->triangles);
+    cli_json_truth(t, "closed", c->closed);
+    cli_json_truth(t, "manifold", c->edge_manifold && c->vertex_manifold);
+    cli_json_truth(t, "oriented", c->oriented);
+    cli_json_count(t, "components", c->components);
+    cli_json_value(t, "volume", c->volume);
+    cli_json_value(t, "area", c->area);
+    cli_json_key(t, "euler", 0);
+    cli_text_add(t, "%" PRId64, c->euler);
+    cli_json_triple(t, "low", c->low);
+    cli_json_triple(t, "high", c->high);
+    cli_json_count(t, "edges", c->edges);
+    cli_json_count(t, "unused_vertices", c->unused_vertices);
+    cli_json_count(t, "collapsed", c->collapsed);
+    cli_json_count(t, "degenerate", c->degenerate);
+    cli_json_count(t, "duplicates", c->duplicates);
+    cli_json_count(t, "boundary_edges", c->boundary_edges);
+    cli_json_count(t, "nonmanifold_edges", c->nonmanifold_edges);
+    cli_json_count(t, "flipped_edges", c->flipped_edges);
+    cli_json_count(t, "nonmanifold_vertices", c->nonmanifold_vertices);
+}
+
+static void report_distance(cli_text *t, const bvx_distance_report *d)
+{
+    cli_json_value(t, "mean_distance", d->mean);
+    cli_json_value(t, "max_distance", d->max);
+    cli_json_key(t, "distance", 0);
+    cli_text_add(t, "{\"samples\": %" PRIu64, d->samples);
+    cli_json_count(t, "seed", d->seed);
+    cli_json_value(t, "mean_to_input", d->mean_a_to_b);
+    cli_json_value(t, "max_to_input", d->max_a_to_b);
+    cli_json_value(t, "mean_from_input", d->mean_b_to_a);
+    cli_json_value(t, "max_from_input", d->max_b_to_a);
+    cli_json_value(t, "normal_to_input", d->normal_a_to_b);
+    cli_json_value(t, "normal_from_input", d->normal_b_to_a);
+    cli_text_add(t, "}");
+}
+
+/* What was asked for is null where nobody asked. */
+static void report_level(cli_text *t, const cli_mesh_entry *m)
+{
+    const bvx_level_report *const l = m->level;
+
+    if (l->target_error > 0.0) cli_text_add(t, ", \"target\": null");
+    else cli_json_count(t, "target", l->target);
+    cli_json_value(t, "target_error", l->target_error > 0.0 ? l->target_error : HUGE_VAL);
+    cli_json_truth(t, "met", l->met);
+    cli_json_count(t, "crossings", l->crossings);
+    cli_json_value(t, "least_angle", l->least_angle);
+    cli_json_count(t, "refused", l->refused);
+    cli_json_value(t, "simplification_rate", m->rate);
+    cli_text_add(t, ", \"source\": \"%s\"", m->source);
+}
+
+static void report_mesh(cli_text *t, const cli_mesh_entry *m)
+{
+    cli_text_add(t, "{\"path\": ");
+    cli_json_string(t, m->path);
+    report_certificate(t, &m->certificate);
+    cli_json_truth(t, "colours", m->colours);
+    cli_json_truth(t, "texture_coordinates", m->uvs);
+    if (m->has_crossings) cli_json_count(t, "crossings", m->crossings);
+    if (m->lod != NULL) {
+        cli_json_ints(t, "resolution", m->lod->resolution);
+        cli_json_triple(t, "ratio", m->lod->ratio);
+        cli_json_value(t, "simplification_rate", m->rate);
+        cli_json_truth(t, "exceeds_input", m->lod->exceeds_source);
+        cli_json_value(t, "milliseconds", m->milliseconds);
+    }
+    if (m->level != NULL) report_level(t, m);
+    if (m->distance != NULL) report_distance(t, m->distance);
+    if (m->welded != NULL) {
+        cli_text_add(t, ", \"welded\": {\"weld\": true");
+        report_certificate(t, m->welded);
+        cli_text_add(t, "}");
+    }
+    cli_text_add(t, "}");
+}
+
+static void report_lattice(cli_text *t, const bvx_lattice *lattice)
+{
+    cli_text_add(t, ", \"lattice\": {\"fraction_bits\": %" PRId32, lattice->fraction_bits);
+    cli_json_triple(t, "origin", lattice->origin);
+    cli_json_triple(t, "spacing", lattice->spacing);
+    cli_json_ints(t, "dims", lattice->dims);
+    cli_text_add(t, "}");
+}
+
+static void report_error(cli_text *t, const cli_report *r)
+{
+    cli_text_add(t, ", \"error\": {\"code\": ");
+    cli_json_string(t, r->error_code);
+    cli_text_add(t, ", \"message\": ");
+    cli_json_string(t, r->error_message);
+    cli_text_add(t, "}");
+}
+
+void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
+{
+    const cli_report *const r = &run->report;
+    cli_text_add(t, "{\"status\": \"%s\"",
+                 status == CLI_DONE ? "done" : status == CLI_INTERRUPTED ? "interrupted" : "failed");
+    if (run->command != NULL) cli_text_add(t, ", \"command\": \"%s\"", run->command->name);
+    if (!brief && r->has_lattice) report_lattice(t, &r->lattice);
+    if (!brief && r->has_set) cli_json_count(t, "set", r->set);
+    if (!brief) cli_report_parts(r, t);
+    if (!brief && r->nonfinite != 0) cli_json_count(t, "nonfinite_triangles", r->nonfinite);
+    cli_text_add(t, ", \"stages\": [");
+    for (int i = 0; i < r->stages; i++) {
+        cli_text_add(t, "%s{\"name\": ", i == 0 ? "" : ", ");
+        cli_json_string(t, r->stage[i].name);
+        cli_json_value(t, "seconds", r->stage[i].seconds);
+        cli_text_add(t, "}");
+    }
+    cli_text_add(t, "], \"meshes\": [");
+    for (int i = 0; i < r->meshes && !brief; i++) {
+        cli_text_add(t, "%s", i == 0 ? "" : ", ");
+        report_mesh(t, &r->mesh[i]);
+    }
+    cli_text_add(t, "], \"warnings\": [");
+    for (int i = 0; i < r->warnings; i++) {
+        cli_text_add(t, "%s", i == 0 ? "" : ", ");
+        cli_json_string(t, r->warning[i]);
+    }
+    cli_text_add(t, "]");
+    if (!brief && r->more.size != 0) cli_text_add(t, "%s", r->more.bytes);
+    cli_json_count(t, "peak_bytes", r->peak_bytes);
+    if (status != CLI_DONE) report_error(t, r);
+    cli_text_add(t, "}\n");
+}
+
+int cli_report_print(cli_run *run, int status)
+{
+    FILE *const to = run->standard_taken ? stderr : stdout;
+    cli_text text = {NULL, 0, 0, 0};
+    int good;
+    if (run->report.batch.size != 0) text = run->report.batch;
+    else cli_report_text(run, status, 0, &text);
+    cli_watch_report();
+    good = !text.failed && fwrite(text.bytes, 1, text.size, to) == text.size;
+    good &= fflush(to) == 0 && !ferror(to);
+    cli_watch_told();
+    cli_text_free(&text);
+    return good;
+}
+
+void cli_note_peak(cli_run *run, uint64_t bytes)
+{
+    uint64_t const all = bytes + bvx_memory_peak(run->context);
+    cli_lock();
+    if (all > run->report.peak_bytes) run->report.peak_bytes = all;
+    cli_unlock();
+}
+
+double cli_diagonal(const double low[3], const double high[3])
+{
+    double longest = 0.0, sum = 0.0;
+    for (int a = 0; a < 3; a++) longest = high[a] - low[a] > longest ? high[a] - low[a] : longest;
+    for (int a = 0; a < 3 && longest > 0.0; a++) { /* squares of large sides would be infinite */
+        double const side = (high[a] - low[a]) / longest;
+        sum += side * side;
+    }
+    return longest * sqrt(sum);
+}
