@@ -1,7 +1,7 @@
 /* arguments.c - the command line: useful refusals; the options stand in option_table.c, option_values.c takes their values.
  *
  * An option stands once, takes one value (behind it or after "="), and is refused by commands that have no use for it. */
-#include "cli_shell/cli.h"
+#include "cli_args/args.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -69,10 +69,20 @@ static int find_argument(const char *name, size_t length, int32_t bit)
     return -1;
 }
 
+int cli_takes(const cli_run *run, const char *name)
+{
+    return find_argument(name, strlen(name), run->command->bit) >= 0;
+}
+
 int cli_given(const cli_run *run, const char *name)
 {
     int const row = find_argument(name, strlen(name), run->command->bit);
     return row >= 0 && run->given[row];
+}
+
+int cli_reduces(const cli_run *run)
+{
+    return run->options->triangles.count != 0 || run->options->errors.count != 0;
 }
 
 /* One name for two things was confusing: what the command calls it now. NULL when it was never taken. */
@@ -120,7 +130,7 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
     ++*at;
     if (a->kind == CLI_FLAG) {
         if (value != NULL) return cli_usage(run, "%s takes no value", a->name);
-        cli_take_value(a, "", &run->options);
+        cli_take_value(a, "", run->options);
         return CLI_DONE;
     }
     cli_describe_value(a, wanted, sizeof wanted);
@@ -128,13 +138,13 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
         if (*at == count) return cli_usage(run, "%s lacks its value, %s", a->name, wanted);
         value = word[(*at)++];
     }
-    if (!cli_take_value(a, value, &run->options)) return cli_usage(run, "%s takes %s, not '%s'", a->name, wanted, value);
+    if (!cli_take_value(a, value, run->options)) return cli_usage(run, "%s takes %s, not '%s'", a->name, wanted, value);
     return CLI_DONE;
 }
 
 static int take_input(cli_run *run, const char *name)
 {
-    cli_options *const o = &run->options;
+    cli_options *const o = run->options;
     int const most = o->output_dir != NULL ? CLI_MAX_FILES : run->command->most_inputs;
     if (o->inputs == most && o->output_dir == NULL && most == 1 && find_argument("--output-dir", 12, run->command->bit) >= 0)
         return cli_usage(run, "'%s' is one input too many; %s takes 1, or several with --output-dir", name, run->command->name);
@@ -146,48 +156,16 @@ static int take_input(cli_run *run, const char *name)
     return CLI_DONE;
 }
 
-/* What holds for all commands once the words are taken. */
-static int check_line(cli_run *run)
-{
-    const cli_options *const o = &run->options;
-    const char *const name = run->command->name;
-    int const least = run->command->least_inputs;
-    int const writes = o->output != NULL && strcmp(o->output, "-") == 0;
-    int standard = 0;
-    if (o->inputs == 0) return cli_usage(run, "%s lacks its input file; see 'bitvox %s --help'", name, name);
-    if (o->inputs < least)
-        return cli_usage(run, "%s lacks an input: bitvox %s %s", name, name, run->command->usage);
-    for (int i = 0; i < o->inputs; i++) standard += strcmp(o->input[i], "-") == 0;
-    if (standard != 0 && o->format == 0)
-        return cli_usage(run, "standard input has no name that tells the format; say it with --format");
-    if (standard == 0 && !writes && o->output_dir == NULL && o->format != 0)
-        return cli_usage(run, "--format is for standard input and output, '-'; names of files tell theirs");
-    if (o->output_dir != NULL) return cli_check_batch(run);
-    if (o->output == NULL && run->command->bit != CLI_COMPONENTS && find_argument("-o", 2, run->command->bit) >= 0)
-        return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
-    if (writes && cli_take_standard_output(run) != CLI_DONE) return CLI_USAGE;
-    return cli_check_options(run);
-}
-
-int cli_check_options(cli_run *run)
-{
-    const cli_options *const o = &run->options;
-    if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE || cli_check_parts(run) != CLI_DONE)
-        return CLI_USAGE;
-    if (o->quiet && o->progress == CLI_BAR_DRAW) return cli_usage(run, "--quiet and --progress=bar exclude each other");
-    return CLI_DONE;
-}
-
 int cli_parse(cli_run *run, int count, char **word)
 {
-    cli_options *const o = &run->options;
+    cli_options *const o = run->options;
     int only_inputs = 0, at = 0, status = CLI_DONE;
     for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++) { /* decide how an error is told and whether there is one */
-        if (strcmp(word[i], "--json") == 0) o->json = 1;
+        if (strcmp(word[i], "--json") == 0) o->general.json = 1;
         if (find_argument("--output-dir", 12, run->command->bit) >= 0 && strncmp(word[i], "--output-dir", 12) == 0) o->output_dir = "";
-        if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) o->help = 1;
+        if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) o->general.help = 1;
     }
-    if (o->help) return CLI_DONE;
+    if (o->general.help) return CLI_DONE;
     while (at < count && status == CLI_DONE) {
         const char *const text = word[at];
         if (!only_inputs && strcmp(text, "--") == 0) {
@@ -200,7 +178,7 @@ int cli_parse(cli_run *run, int count, char **word)
             at++;
         }
     }
-    return status == CLI_DONE ? check_line(run) : status;
+    return status;
 }
 
 void cli_print_options(int32_t command_bit)

@@ -1,5 +1,5 @@
 /* manual.c - the manual page (troff) and the completion script for bash, made from the tables of commands and options. */
-#include "cli_shell/cli.h"
+#include "cli_args/args.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -69,22 +69,22 @@ static void put_command(const cli_command *c)
     put_options(c->bit, 0);
 }
 
-static void put_commands(void)
+static void put_commands(const cli_command *const *commands)
 {
     const cli_command *c;
     put_section("COMMANDS");
-    for (int i = 0; (c = cli_command_at(i)) != NULL; i++) put_command(c);
+    for (int i = 0; (c = commands[i]) != NULL; i++) put_command(c);
     printf(".SS \"bitvox help [COMMAND | \\-\\-man | \\-\\-bash\\-completion]\"\n");
     put_roff("Tells the commands, the options of one, this page, or a script for bash to be read by its \"source\".\n");
     putchar('\n');
     printf(".SS \"bitvox \\-\\-version\"\nTells the version.\n");
 }
 
-static void put_examples(void)
+static void put_examples(const cli_command *const *commands)
 {
     const cli_command *c;
     put_section("EXAMPLES");
-    for (int i = 0; (c = cli_command_at(i)) != NULL; i++) {
+    for (int i = 0; (c = commands[i]) != NULL; i++) {
         printf(".PP\n");
         put_roff(c->does);
         printf(":\n.PP\n.nf\n.RS\n");
@@ -98,7 +98,7 @@ static void put_examples(void)
     }
 }
 
-void cli_print_manual(void)
+void cli_print_manual(const cli_command *const *commands)
 {
     int32_t const v = bvx_version();
     printf(".\\\" Printed by 'bitvox help --man'.\n.TH BITVOX 1 \"\" \"bitvox %d.%d.%d\" \"User Commands\"\n", (int)(v / 10000),
@@ -114,7 +114,7 @@ void cli_print_manual(void)
     putchar('\n');
     put_paragraph("Options stand anywhere, once each, with their value behind a space or an equals sign; behind -- every word "
                   "is an input. As an input, - is standard input, whose format --format tells.");
-    put_commands();
+    put_commands(commands);
     put_section("COMMON OPTIONS");
     put_options(CLI_ALL, 1);
     put_section("PROGRESS AND REPORT");
@@ -143,7 +143,7 @@ void cli_print_manual(void)
              "written, files that were asked for are complete.");
     put_item("2", "Wrong usage.");
     put_item("130", "Interrupted by SIGINT, SIGTERM or SIGHUP.");
-    put_examples();
+    put_examples(commands);
 }
 
 /* ---- bash ---- */
@@ -173,7 +173,7 @@ static void put_values(const cli_command *c)
     }
 }
 
-void cli_print_completion(void)
+void cli_print_completion(const cli_command *const *commands)
 {
     const cli_command *c;
     printf("# Completion of bitvox for bash, printed by 'bitvox help --bash-completion'; read it with \"source\", or store it in\n"
@@ -194,7 +194,7 @@ void cli_print_completion(void)
            "    fi\n"
            "    if [[ $COMP_CWORD -eq 1 ]]; then\n"
            "        _bitvox_words '");
-    for (int i = 0; (c = cli_command_at(i)) != NULL; i++) printf("%s ", c->name);
+    for (int i = 0; (c = commands[i]) != NULL; i++) printf("%s ", c->name);
     printf("help --help --version'\n"
            "        return\n"
            "    fi\n"
@@ -202,9 +202,9 @@ void cli_print_completion(void)
            "        if [[ ${COMP_WORDS[i]} == -- ]]; then _bitvox_files; return; fi\n"
            "    done\n"
            "    case $command/$before in\n");
-    for (int i = 0; (c = cli_command_at(i)) != NULL; i++) put_values(c);
+    for (int i = 0; (c = commands[i]) != NULL; i++) put_values(c);
     printf("    help/help) _bitvox_words '");
-    for (int i = 0; (c = cli_command_at(i)) != NULL; i++) printf("%s ", c->name);
+    for (int i = 0; (c = commands[i]) != NULL; i++) printf("%s ", c->name);
     printf("--man --bash-completion'; return ;;\n"
            "    help/*) return ;;\n"
            "    esac\n"
@@ -213,7 +213,7 @@ void cli_print_completion(void)
            "    *) _bitvox_files; return ;;\n"
            "    esac\n"
            "    case $command in\n");
-    for (int i = 0; (c = cli_command_at(i)) != NULL; i++) {
+    for (int i = 0; (c = commands[i]) != NULL; i++) {
         printf("    %s) _bitvox_words '", c->name);
         put_option_names(c->bit);
         printf("' ;;\n");

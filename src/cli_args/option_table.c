@@ -1,7 +1,7 @@
 /* option_table.c - the options of all commands: the parser, the help, the man page and the completion read this table.
  *
  * An option that several commands take with the same meaning has one row; where the meaning differs it has several. */
-#include "cli_shell/cli.h"
+#include "cli_args/args.h"
 
 #define FIELD(name) offsetof(cli_options, name)
 #define LARGEST_SIDE 33554432.0 /* 2^25, a lattice's limit */
@@ -290,14 +290,14 @@ static const cli_argument arguments[] = {
     WHOLE("--turntable", "N", CLI_RENDER, turntable, 2, 360, "N pictures once round the axis of --up, to OUT_%d.png"),
     CHOICE("--format", "NAME", CLI_SECTIONS, format, CONTOUR_FORMAT_NAMES, BVX_FORMAT_CSL, "format of standard input, with - as input: csl or csv"),
     CHOICE("--format", "NAME", CLI_ALL & ~CLI_SECTIONS, format, FORMAT_NAMES, BVX_FORMAT_STL, "format of standard input and output, with - as input or after -o,\nor of files in --output-dir: stl, obj, ply ... [output: ply, bvx, nrrd for distances, csv, png]"),
-    WHOLE("--threads", "N", CLI_ALL, threads, 0, 1024, "workers, 0: all there are [0]"),
-    BYTES("--memory-limit", "BYTES", CLI_ALL, memory_limit,
+    WHOLE("--threads", "N", CLI_ALL, general.threads, 0, 1024, "workers, 0: all there are [0]"),
+    BYTES("--memory-limit", "BYTES", CLI_ALL, general.memory_limit,
           "most memory for data; K, M and G are understood [what there is;\nfiles: half of it]"),
-    FLAG("--json", CLI_ALL, json, "a report for programs on standard output, in place of the text"),
-    CHOICE("--progress", "HOW", CLI_ALL, progress, progress_names, CLI_BAR_AUTO,
+    FLAG("--json", CLI_ALL, general.json, "a report for programs on standard output, in place of the text"),
+    CHOICE("--progress", "HOW", CLI_ALL, general.progress, progress_names, CLI_BAR_AUTO,
            "auto: a bar on a terminal; bar; json: lines of JSON on standard error;\nnone [auto]"),
-    FLAG("--quiet", CLI_ALL, quiet, "no text, no bar, no warnings"),
-    FLAG("--help", CLI_ALL, help, "this text"),
+    FLAG("--quiet", CLI_ALL, general.quiet, "no text, no bar, no warnings"),
+    FLAG("--help", CLI_ALL, general.help, "this text"),
 };
 
 #define ARGUMENTS (sizeof arguments / sizeof arguments[0])

@@ -1,5 +1,5 @@
 /* option_values.c - what stands behind an option: strict numbers, lists, planes, choices; and in words what it must be. */
-#include "cli_shell/cli.h"
+#include "cli_args/args.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
  *
  * Measured on meshes of 100,000 triangles and grids of 200 to 300 voxels a side. A stage that is left out costs a jump, one that
  * is not listed stands where the run is; neither lets the fraction fall. */
-#include "cli_shell/cli.h"
+#include "cli_args/args.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -90,7 +90,7 @@ enum { PLAN_ROWS = sizeof plan_rows / sizeof plan_rows[0] };
 /* What the options leave out. */
 static int is_planned(const cli_run *run, const plan_row *row)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     const char *const s = row->stage;
     int32_t const bit = run->command->bit;
 
@@ -108,7 +108,7 @@ static int is_planned(const cli_run *run, const plan_row *row)
 
 static int times_of(const cli_run *run, int each)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int times = 1;
 
     if (each == PLAN_FILES) times = o->inputs - ((run->command->bit & (CLI_BOOLEAN | CLI_MORPH)) != 0);
@@ -132,7 +132,7 @@ static size_t split_name(const char *name, int *number)
 
 static int is_row(const cli_run *run, int row, const char *name, size_t length)
 {
-    const char *const s = strncmp(name, "render", length) == 0 && run->options.turntable != 0 ? "frames" : name;
+    const char *const s = strncmp(name, "render", length) == 0 && run->options->turntable != 0 ? "frames" : name;
     size_t const n = s == name ? length : strlen(s);
 
     return is_planned(run, &plan_rows[row]) && strlen(plan_rows[row].stage) == n && strncmp(plan_rows[row].stage, s, n) == 0;
@@ -176,7 +176,7 @@ static int find_row(const cli_run *run, const char *name, int *time)
 /* Sampling takes time by the samples; a level that is taken from voxels is soon made beside one whose edges collapse. */
 static double weight_of(const cli_run *run, const plan_row *row)
 {
-    double const usual = 20000.0, samples = run->options.samples < 0 ? usual : (double)run->options.samples;
+    double const usual = 20000.0, samples = run->options->samples < 0 ? usual : (double)run->options->samples;
 
     if (!is_planned(run, row)) return 0.0;
     if (strcmp(row->stage, "distance") == 0 && run->command->bit != CLI_MORPH && run->command->bit != CLI_REPAIR)

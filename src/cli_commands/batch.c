@@ -9,7 +9,7 @@
 #define BATCH_POSIX 0
 #endif
 
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -68,7 +68,7 @@ static char *path_in_folder(const char *folder, const char *input, const char *e
 
 static const char *ending_of_outputs(const cli_run *run)
 {
-    if (run->options.format != 0) return cli_format_name(run->options.format);
+    if (run->options->format != 0) return cli_format_name(run->options->format);
     return run->command->bit == CLI_VOXELIZE ? "bvx" : NULL;
 }
 
@@ -111,21 +111,6 @@ static int make_folder(cli_run *run, const char *folder)
 #endif
 }
 
-int cli_check_batch(cli_run *run)
-{
-    const cli_options *const o = &run->options;
-    int const kind = cli_kind_of_format(o->format);
-
-    if (o->output != NULL) return cli_usage(run, "-o and --output-dir exclude each other");
-    for (int i = 0; i < o->inputs; i++)
-        if (strcmp(o->input[i], "-") == 0) return cli_usage(run, "standard input has no name; --output-dir is for files");
-    if (o->format != 0 && (kind == 0 || ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY)) != 0 && kind != CLI_MESH)))
-        return cli_usage(run, "--format %s is not written by %s", cli_format_name(o->format), run->command->name);
-    if (run->command->bit == CLI_CONVERT && o->format == 0)
-        return cli_usage(run, "convert lacks the format of the files in --output-dir; say it with --format");
-    return CLI_DONE;
-}
-
 /* ---- running ---- */
 
 /* As it was before the first input. */
@@ -137,16 +122,16 @@ static void begin_file(cli_run *run, const batch *b, int i)
     memset(&run->report, 0, sizeof run->report);
     for (int k = 0; k < run->outputs; k++) free(run->output[k].path);
     run->outputs = 0;
-    run->batch = 1;
     memset(&run->progress, 0, sizeof run->progress);
     run->context = NULL;
     run->context_limit = 0;
-    run->options = b->asked;
-    run->options.input[0] = b->asked.input[i];
-    run->options.inputs = 1;
-    run->options.output = b->path[i];
-    run->options.format = 0;
-    run->options.output_dir = NULL;
+    *run->options = b->asked;
+    run->options->input[0] = b->asked.input[i];
+    run->about = b->asked.input[i];
+    run->options->inputs = 1;
+    run->options->output = b->path[i];
+    run->options->format = 0;
+    run->options->output_dir = NULL;
     cli_watch_again();
     cli_unlock();
 }
@@ -156,12 +141,12 @@ static void keep_report(cli_run *run, batch *b, int status)
     cli_text text = {NULL, 0, 0, 0};
     cli_text *const t = &b->reports;
 
-    if (!run->options.json) return;
+    if (!run->general->json) return;
     cli_report_text(run, status, 0, &text);
     cli_text_add(t, "%s{\"input\": ", t->size == 0 ? "" : ", ");
-    cli_json_string(t, run->options.input[0]);
+    cli_json_string(t, run->options->input[0]);
     cli_text_add(t, ", \"output\": ");
-    cli_json_string(t, run->options.output);
+    cli_json_string(t, run->options->output);
     if (text.size > 2) cli_text_add(t, ", %.*s", (int)(text.size - 2), text.bytes + 1); /* less its { and line end */
     if (text.failed) t->failed = 1;
     cli_text_free(&text);
@@ -192,14 +177,14 @@ int cli_run_batch(cli_run *run)
     static batch b; /* zeroed */
     int status;
 
-    b.asked = run->options;
+    b.asked = *run->options;
     status = name_outputs(run, &b);
     if (status == CLI_DONE) status = make_folder(run, b.asked.output_dir);
     if (status != CLI_DONE) return cli_end_of_run(run, status);
 
     for (int i = 0; i < b.asked.inputs && b.status != CLI_INTERRUPTED; i++) run_file(run, &b, i);
 
-    if (b.asked.json) {
+    if (b.asked.general.json) {
         cli_lock();
         cli_text_add(&run->report.batch, "{\"status\": \"%s\", \"command\": \"%s\", \"done\": %d, \"failed\": %d, \"files\": [%s]}\n",
                      b.status == CLI_DONE ? "done" : b.status == CLI_INTERRUPTED ? "interrupted" : "failed", run->command->name, b.done,

@@ -1,5 +1,5 @@
 /* clouds.c - voxels of a cloud of points, for bitvox voxelize. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -10,7 +10,7 @@ int cli_check_cloud_options(cli_run *run, const char *kind)
 
     for (size_t i = 0; i < sizeof of_clouds / sizeof of_clouds[0]; i++)
         if (cli_given(run, of_clouds[i]))
-            return cli_usage(run, "%s is for clouds of points; %s is %s", of_clouds[i], cli_input_name(run->options.input[0]), kind);
+            return cli_usage(run, "%s is for clouds of points; %s is %s", of_clouds[i], cli_input_name(run->options->input[0]), kind);
     return CLI_DONE;
 }
 
@@ -18,7 +18,7 @@ int cli_check_cloud(cli_run *run, int cloud)
 {
     static const char *const of_meshes[] = {"--mode", "--fill", "--add-shell", "--check-edges", "--check-thin", "--compare-fills", "--half-width",
                                             "--sign", "--vectors", "--value-type"};
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     const char *const name = cli_input_name(o->input[0]);
     for (size_t i = 0; i < sizeof of_meshes / sizeof of_meshes[0] && cloud; i++)
         if (cli_given(run, of_meshes[i])) return cli_usage(run, "%s is for meshes; %s is a cloud of points", of_meshes[i], name);
@@ -34,7 +34,7 @@ static void tell_cloud(cli_run *run, const bvx_points_report *r)
     cli_say(run, "  points      %" PRIu64, r->inside);
     if (r->outside != 0) cli_say(run, ", and %" PRIu64 " outside", r->outside);
     cli_say(run, "\n  occupied    %" PRIu64 "\n", r->occupied);
-    if (run->options.body) cli_say(run, "  filled      %" PRIu64 "\n", r->filled);
+    if (run->options->body) cli_say(run, "  filled      %" PRIu64 "\n", r->filled);
     cli_text_add(t, ", \"cloud\": {\"inside\": %" PRIu64, r->inside);
     cli_json_count(t, "outside", r->outside);
     cli_json_count(t, "occupied", r->occupied);
@@ -45,7 +45,7 @@ static void tell_cloud(cli_run *run, const bvx_points_report *r)
 
 static int make_cloud_voxels(cli_run *run, const bvx_mesh_view *points, const bvx_window *window, bvx_points_report *report, bvx_grid *grid)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     bvx_lattice *const l = &run->report.lattice;
     bvx_points_options p;
     bvx_status status = cli_make_cloud_lattice(run, points, l);
@@ -82,13 +82,13 @@ int cli_voxelize_cloud(cli_run *run, const bvx_mesh_view *points, const bvx_wind
     if (status == CLI_DONE) cli_stage_end(run);
     if (status == CLI_DONE) status = cli_write_grid(run, &grid);
     if (status == CLI_DONE) {
-        cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
+        cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
         cli_say_grid(run, &grid, run->report.set, 1);
         tell_cloud(run, &report);
         if (run->report.set == 0) cli_warn(run, "no voxel is set: none holds so many points");
-        else if (run->options.body && report.pockets == 0)
+        else if (run->options->body && report.pockets == 0)
             cli_warn(run, "the body has no inside: the flood comes in everywhere; try --close-gaps of more than %" PRId32 ", or larger voxels",
-                     run->options.close_gaps);
+                     run->options->close_gaps);
     }
     bvx_grid_free(run->context, &grid);
     return status;

@@ -2,7 +2,7 @@
  *
  * Two meshes that become a mesh keep their surfaces (bvx_boolean). Whenever a grid comes in or goes out the bits are what there
  * is: a mesh is then voxelized, on the grid's own lattice or on one around both meshes. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -35,7 +35,7 @@ static int refuse_boolean_option(cli_run *run, const char *option, const char *w
 
 static int take_operation(cli_run *run, boolean_run *b)
 {
-    const char *const word = run->options.input[0];
+    const char *const word = run->options->input[0];
     for (b->operation = 0; b->operation < 4; b->operation++)
         if (strcmp(word, operation_names[b->operation]) == 0) return CLI_DONE;
     return cli_usage(run, "'%s' is no operation; union, intersection, difference and xor are", word);
@@ -45,9 +45,9 @@ static int check_boolean_options(cli_run *run, boolean_run *b)
 {
     static const char *const of_lattice[] = {"--resolution", "--spacing"};
     static const char *const of_mesh[] = {"--interpolation", "--sharp", "--no-sharp", "--least-part"};
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
     int kind[2], grids, status = take_operation(run, b);
-    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, run->options.input[1 + i], &kind[i]);
+    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, run->options->input[1 + i], &kind[i]);
     if (status != CLI_DONE) return status;
     for (int i = 0; i < 2; i++) b->is_mesh[i] = kind[i] == CLI_MESH;
     grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
@@ -111,7 +111,7 @@ static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_la
     bvx_status status;
     for (int i = 0; i < 2; i++) cli_mesh_box(&b->in[i].mesh, &box[i]);
     choose_boolean_box(b, box, &fit);
-    run->options.padding = 1;
+    run->options->padding = 1;
     status = cli_make_box_lattice(run, &fit, lattice);
     if (status == BVX_OK) give_fraction_bits(box, lattice);
     return status;
@@ -126,10 +126,10 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     bvx_boolean_options_init(&o, sizeof o);
     o.lattice = &lattice;
     o.position_type = BVX_POSITION_AUTO;
-    o.fill = run->options.fill;
-    if (cli_given(run, "--interpolation")) o.interpolation = run->options.interpolation;
-    if (run->options.sharp || run->options.no_sharp) o.sharp = run->options.sharp;
-    if (run->options.least_part > 0) o.least_part = (uint64_t)run->options.least_part;
+    o.fill = run->options->fill;
+    if (cli_given(run, "--interpolation")) o.interpolation = run->options->interpolation;
+    if (run->options->sharp || run->options->no_sharp) o.sharp = run->options->sharp;
+    if (run->options->least_part > 0) o.least_part = (uint64_t)run->options->least_part;
     o.keep_crumbs = cli_given(run, "--least-part");
     o.report = &b->report;
     for (int i = 0; i < 2; i++) bvx_mesh_view_of(&b->in[i].mesh, &view[i]);
@@ -156,7 +156,7 @@ static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *l
     bvx_voxelize_options v;
     bvx_mesh_view view;
     bvx_voxelize_options_init(&v, sizeof v);
-    v.fill = run->options.fill;
+    v.fill = run->options->fill;
     v.window = *window;
     v.report = report;
     bvx_mesh_view_of(&in->mesh, &view);
@@ -206,7 +206,7 @@ static int combine_grids(cli_run *run, boolean_run *b)
     cli_stage_begin(run, "boolean");
     cli_stage_calls(run, 1 + (b->in[0].kind == CLI_MESH) + (b->in[1].kind == CLI_MESH) + (b->kind == CLI_MESH));
     status = fill_operands(run, b);
-    if (status == BVX_OK && run->options.resample) status = resample_operand(run, b);
+    if (status == BVX_OK && run->options->resample) status = resample_operand(run, b);
     for (int i = 0; i < 2 && status == BVX_OK; i++) status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);
     if (status == BVX_OK) status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &run->report.set);
@@ -238,8 +238,8 @@ static int check_boolean_mesh(cli_run *run, boolean_run *b)
     cli_stage_begin(run, "check");
     status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
     cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options.output);
-    entry->path = run->options.output;
+    if (status != BVX_OK) return cli_fail_status(run, status, run->options->output);
+    entry->path = run->options->output;
     run->report.meshes = 1;
     return CLI_DONE;
 }
@@ -251,7 +251,7 @@ static int write_boolean(cli_run *run, boolean_run *b)
         status = check_boolean_mesh(run, b);
         return status == CLI_DONE ? cli_write_mesh(run, &b->mesh) : status;
     }
-    status = cli_check_grid_format(run, run->options.output, &b->grid.lattice, b->grid.size);
+    status = cli_check_grid_format(run, run->options->output, &b->grid.lattice, b->grid.size);
     return status == CLI_DONE ? cli_write_grid(run, &b->grid) : status;
 }
 
@@ -311,7 +311,7 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
     }
     cli_text_add(t, "}");
     cli_say(run, "%s of %s and %s -> %s\n", operation_names[b->operation], cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
-            run->options.output);
+            run->options->output);
     cli_say(run, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
     cli_say(run, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1], run->report.set);
     if (b->report.crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n", b->report.crumbs);
@@ -333,8 +333,8 @@ static int run_boolean(cli_run *run)
     memset(&b, 0, sizeof b);
     status = check_boolean_options(run, &b);
     if (status == CLI_DONE)
-        status = b.kind == CLI_GRID ? cli_open_grid_output(run, run->options.output) : cli_open_output(run, run->options.output);
-    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_read_input(run, run->options.input[1 + i], &b.in[i]);
+        status = b.kind == CLI_GRID ? cli_open_grid_output(run, run->options->output) : cli_open_output(run, run->options->output);
+    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_read_input(run, run->options->input[1 + i], &b.in[i]);
     if (status == CLI_DONE) status = b.by_mesh ? combine_meshes(run, &b) : combine_grids(run, &b);
     if (status == CLI_DONE) run->report.has_lattice = run->report.has_set = 1;
     if (status == CLI_DONE) status = write_boolean(run, &b);

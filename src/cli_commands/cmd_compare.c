@@ -1,7 +1,7 @@
 /* cmd_compare.c - bitvox compare: what two grids or two meshes have in common.
  *
  * That they differ is an answer and no failure: the exit status tells only whether they could be compared. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -30,8 +30,8 @@ static void say_grid_difference(cli_run *run, const bvx_grid *g, const bvx_grid_
 {
     double const either = (double)d->both + (double)d->only_a + (double)d->only_b;
     double low[3], high[3];
-    cli_say(run, "A  %s: %" PRIu64 " voxels\nB  %s: %" PRIu64 " voxels\n", cli_input_name(run->options.input[0]), d->set_a,
-            cli_input_name(run->options.input[1]), d->set_b);
+    cli_say(run, "A  %s: %" PRIu64 " voxels\nB  %s: %" PRIu64 " voxels\n", cli_input_name(run->options->input[0]), d->set_a,
+            cli_input_name(run->options->input[1]), d->set_b);
     cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1], g->size[2]);
     cli_say(run, "  both        %" PRIu64 " voxels", d->both);
     if (either > 0.0) cli_say(run, ", %.6g %% of what either has", 100.0 * (double)d->both / either);
@@ -55,9 +55,9 @@ static void report_grid_difference(cli_run *run, const bvx_grid_difference *d)
 {
     cli_text *const t = &run->report.more;
     cli_text_add(t, ", \"difference\": {\"same\": %s, \"paths\": [", d->only_a + d->only_b == 0 ? "true" : "false");
-    cli_json_string(t, run->options.input[0]);
+    cli_json_string(t, run->options->input[0]);
     cli_text_add(t, ", ");
-    cli_json_string(t, run->options.input[1]);
+    cli_json_string(t, run->options->input[1]);
     cli_text_add(t, "]");
     cli_json_count(t, "set_a", d->set_a);
     cli_json_count(t, "set_b", d->set_b);
@@ -165,7 +165,7 @@ static void report_distance(cli_run *run, const bvx_distance_report *d, double d
 
 static int compare_meshes(cli_run *run, const cli_input in[2])
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     uint64_t const samples = o->samples < 0 ? COMPARE_SAMPLES : (uint64_t)o->samples;
     uint64_t const seed = cli_given(run, "--seed") ? (uint64_t)o->seed : COMPARE_SEED;
     bvx_mesh_view a, b;
@@ -195,7 +195,7 @@ static int compare_meshes(cli_run *run, const cli_input in[2])
 
 static int check_compare_options(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int kind[2], status = CLI_DONE;
     for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, o->input[i], &kind[i]);
     if (status != CLI_DONE) return status;
@@ -213,7 +213,7 @@ static int run_compare(cli_run *run)
 {
     static cli_input in[2]; /* zeroed */
     int status = check_compare_options(run);
-    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_read_input(run, run->options.input[i], &in[i]);
+    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_read_input(run, run->options->input[i], &in[i]);
     if (status == CLI_DONE) status = in[0].kind == CLI_MESH ? compare_meshes(run, in) : compare_grids(run, in);
     for (int i = 0; i < 2; i++) cli_free_input(run, &in[i]);
     return status;

@@ -1,5 +1,5 @@
 /* cmd_components.c - bitvox components: the connected parts of a grid, told in a table, kept or dropped, numbered. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -22,12 +22,12 @@ typedef struct components_job {
 
 static const char *labels_of(const cli_run *run)
 {
-    return run->options.labels;
+    return run->options->labels;
 }
 
 static int check_components_options(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int kind, status = cli_input_kind(run, o->input[0], &kind);
     if (status != CLI_DONE) return status;
     if (kind == CLI_MESH)
@@ -41,7 +41,7 @@ static int check_components_options(cli_run *run)
 /* Outputs in this order: the grid and its side-car, the labels and theirs. */
 static int open_components_outputs(cli_run *run)
 {
-    int const status = run->options.output != NULL ? cli_open_grid_output(run, run->options.output) : CLI_DONE;
+    int const status = run->options->output != NULL ? cli_open_grid_output(run, run->options->output) : CLI_DONE;
     return status == CLI_DONE && labels_of(run) != NULL ? cli_open_grid_output(run, labels_of(run)) : status;
 }
 
@@ -49,13 +49,13 @@ static int open_components_outputs(cli_run *run)
 
 static int keep_components(cli_run *run, components_job *job)
 {
-    const cli_list *const list = &run->options.seeds;
+    const cli_list *const list = &run->options->seeds;
     bvx_keep_options k;
     bvx_status status;
     bvx_keep_options_init(&k, sizeof k);
     k.connectivity = job->connectivity;
-    k.largest = (uint64_t)run->options.keep_largest;
-    k.at_least = (uint64_t)run->options.at_least;
+    k.largest = (uint64_t)run->options->keep_largest;
+    k.at_least = (uint64_t)run->options->at_least;
     k.report = &job->kept;
     job->seeds = calloc((size_t)list->count + 1, sizeof *job->seeds);
     if (job->seeds == NULL) return cli_fail(run, "no memory for seeds");
@@ -64,7 +64,7 @@ static int keep_components(cli_run *run, components_job *job)
     k.seed_count = (uint64_t)list->count / 3;
     cli_stage_begin(run, "keep");
     status = bvx_grid_keep(run->context, &job->in.grid, &k, &job->in.grid);
-    if (status == BVX_OK && run->options.fill_cavities)
+    if (status == BVX_OK && run->options->fill_cavities)
         status = bvx_grid_fill_cavities(run->context, &job->in.grid, 6, 0, &job->in.grid, &job->filled);
     cli_stage_end(run);
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(job->in.path));
@@ -112,7 +112,7 @@ static void first_of(const bvx_grid *g, const bvx_component *p, int32_t v[3])
 static void say_components(cli_run *run, const components_job *job)
 {
     const bvx_grid *const g = &job->in.grid;
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     if (o->output != NULL) cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), o->output);
     else cli_say(run, "%s\n", cli_input_name(job->in.path));
     cli_say_grid(run, g, run->report.set, job->in.placed);
@@ -224,7 +224,7 @@ static int write_labels(cli_run *run, components_job *job, int number)
 
 static int write_components(cli_run *run, components_job *job)
 {
-    const char *const output = run->options.output;
+    const char *const output = run->options->output;
     int const taken = output == NULL ? 0 : cli_needs_sidecar(bvx_format_of_name(output)) ? 2 : 1;
     int status = labels_of(run) != NULL ? write_labels(run, job, taken) : CLI_DONE;
     if (status == CLI_DONE && output != NULL) return cli_write_grid(run, &job->in.grid);
@@ -237,12 +237,12 @@ static int run_components(cli_run *run)
     components_job job;
     int status;
     memset(&job, 0, sizeof job);
-    job.connectivity = neighbours[run->options.connectivity];
+    job.connectivity = neighbours[run->options->connectivity];
     status = check_components_options(run);
     if (status == CLI_DONE) status = open_components_outputs(run);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options.input[0], &job.in);
-    if (status == CLI_DONE && run->options.output != NULL)
-        status = cli_check_grid_format(run, run->options.output, &job.in.grid.lattice, job.in.grid.size);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job.in);
+    if (status == CLI_DONE && run->options->output != NULL)
+        status = cli_check_grid_format(run, run->options->output, &job.in.grid.lattice, job.in.grid.size);
     if (status == CLI_DONE) status = keep_components(run, &job);
     if (status == CLI_DONE) status = list_components(run, &job);
     if (status == CLI_DONE) status = write_components(run, &job);

@@ -1,12 +1,12 @@
 /* cmd_convert.c - bitvox convert: from one format to another, and what is lost on the way. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <string.h>
 
 static int refuse_other_kind(cli_run *run, int from)
 {
-    const char *const in = cli_input_name(run->options.input[0]), *const out = run->options.output;
+    const char *const in = cli_input_name(run->options->input[0]), *const out = run->options->output;
     if (from == CLI_MESH)
         return cli_usage(run, "%s is a mesh and %s would be a grid: 'bitvox voxelize' makes a grid of a mesh", in, out);
     return cli_usage(run, "%s is a grid and %s would be a mesh: 'bitvox lod --levels N' makes meshes of a grid", in, out);
@@ -14,7 +14,7 @@ static int refuse_other_kind(cli_run *run, int from)
 
 static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int32_t const format = bvx_format_of_name(o->output);
     int const to = format == BVX_FORMAT_VTU ? CLI_TREE : cli_kind_of_format(format);
     int status = cli_input_kind(run, o->input[0], kind);
@@ -38,14 +38,14 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
 
 static int convert_mesh(cli_run *run)
 {
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
     bvx_mesh mesh = {0};
     int result = cli_open_output(run, out);
-    if (result == CLI_DONE) result = cli_read_mesh(run, run->options.input[0], &mesh);
+    if (result == CLI_DONE) result = cli_read_mesh(run, run->options->input[0], &mesh);
     if (result == CLI_DONE) result = cli_write_mesh(run, &mesh);
     if (result == CLI_DONE) {
         cli_warn_of_lost(run, out, &mesh);
-        cli_say(run, "%s -> %s\n  triangles   %" PRIu64 " of %" PRIu64 " vertices\n", cli_input_name(run->options.input[0]), out,
+        cli_say(run, "%s -> %s\n  triangles   %" PRIu64 " of %" PRIu64 " vertices\n", cli_input_name(run->options->input[0]), out,
                 mesh.triangle_count, mesh.vertex_count);
     }
     bvx_mesh_free(run->context, &mesh);
@@ -57,11 +57,11 @@ static int write_tree(cli_run *run, cli_input *in, cli_tree *t)
     int status = cli_take_tree(run, in->tree, t);
     in->tree = NULL;
     if (status == CLI_DONE) status = cli_check_tree_output(run, t);
-    if (status == CLI_DONE && t->kind == 0 && run->options.window.count != 0)
-        status = cli_usage(run, "--window of an octree is for grids; %s would be none", run->options.output);
+    if (status == CLI_DONE && t->kind == 0 && run->options->window.count != 0)
+        status = cli_usage(run, "--window of an octree is for grids; %s would be none", run->options->output);
     if (status == CLI_DONE) status = cli_write_tree(run, t);
     if (status != CLI_DONE) return status;
-    cli_say(run, "%s -> %s\n\n", cli_input_name(in->path), run->options.output);
+    cli_say(run, "%s -> %s\n\n", cli_input_name(in->path), run->options->output);
     cli_say_levels(run, t);
     cli_say_tree_output(run, t);
     cli_report_tree(run, t);
@@ -71,7 +71,7 @@ static int write_tree(cli_run *run, cli_input *in, cli_tree *t)
 static int write_grid(cli_run *run, const cli_input *in)
 {
     const bvx_grid *const grid = &in->grid;
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
     int status = CLI_DONE;
     if (bvx_format_of_name(out) == BVX_FORMAT_VTU || cli_given(run, "--expand") || cli_given(run, "--states"))
         return cli_usage(run, "--expand, --states and .vtu are for octrees; %s is a grid", cli_input_name(in->path));
@@ -88,11 +88,11 @@ static int write_grid(cli_run *run, const cli_input *in)
 
 static int convert_voxels(cli_run *run, cli_tree *t)
 {
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
     cli_input in;
     int status = bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_grid_output(run, out);
     memset(&in, 0, sizeof in);
-    if (status == CLI_DONE) status = cli_read_grid_or_tree(run, run->options.input[0], &t->window, &in);
+    if (status == CLI_DONE) status = cli_read_grid_or_tree(run, run->options->input[0], &t->window, &in);
     if (status == CLI_DONE) status = in.kind == CLI_TREE ? write_tree(run, &in, t) : write_grid(run, &in);
     cli_free_input(run, &in);
     return status;

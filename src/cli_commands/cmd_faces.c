@@ -1,17 +1,17 @@
 /* cmd_faces.c - bitvox faces: the voxels themselves as a mesh, for programs that show meshes alone. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <string.h>
 
 static int check_faces_options(cli_run *run)
 {
-    const char *const out = run->options.output;
-    int kind, status = cli_input_kind(run, run->options.input[0], &kind);
+    const char *const out = run->options->output;
+    int kind, status = cli_input_kind(run, run->options->input[0], &kind);
     if (status != CLI_DONE) return status;
     if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH)
         return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")", out);
-    if (kind == CLI_GRID) return cli_refuse_for_grid(run, run->options.input[0]);
+    if (kind == CLI_GRID) return cli_refuse_for_grid(run, run->options->input[0]);
     status = cli_check_lattice(run);
     return status == CLI_DONE ? cli_check_fill(run) : status;
 }
@@ -21,7 +21,7 @@ static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
     bvx_faces_options f;
     bvx_faces_options_init(&f, sizeof f);
     f.position_type = BVX_POSITION_AUTO;
-    f.merged = run->options.merge;
+    f.merged = run->options->merge;
     return bvx_extract_faces(run->context, grid, &f, mesh);
 }
 
@@ -42,8 +42,8 @@ static int make_faces(cli_run *run, const cli_input *in, bvx_mesh *mesh)
     bvx_mesh_view_of(mesh, &view);
     status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
     cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options.output);
-    entry->path = run->options.output;
+    if (status != BVX_OK) return cli_fail_status(run, status, run->options->output);
+    entry->path = run->options->output;
     run->report.meshes = 1;
     return CLI_DONE;
 }
@@ -51,8 +51,8 @@ static int make_faces(cli_run *run, const cli_input *in, bvx_mesh *mesh)
 static void say_faces(cli_run *run, const cli_input *in)
 {
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
-    cli_say(run, "%s -> %s\n", cli_input_name(in->path), run->options.output);
-    cli_say(run, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set, run->options.merge ? "rectangles" : "faces     ",
+    cli_say(run, "%s -> %s\n", cli_input_name(in->path), run->options->output);
+    cli_say(run, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set, run->options->merge ? "rectangles" : "faces     ",
             c->triangles / 2);
     cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n  volume      %.9g\n", c->triangles, c->vertices, c->volume);
 }
@@ -63,8 +63,8 @@ static int run_faces(cli_run *run)
     bvx_mesh mesh = {0};
     int status = check_faces_options(run);
     memset(&in, 0, sizeof in);
-    if (status == CLI_DONE) status = cli_open_output(run, run->options.output);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options.input[0], &in);
+    if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &in);
     if (status == CLI_DONE && in.kind == CLI_MESH) status = cli_fill_input(run, &in);
     if (status == CLI_DONE) status = make_faces(run, &in, &mesh);
     if (status == CLI_DONE) status = cli_write_mesh(run, &mesh);

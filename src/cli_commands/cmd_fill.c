@@ -1,5 +1,5 @@
 /* cmd_fill.c - bitvox fill: what lies inside a surface of voxels, from seeds that are given or found. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -22,7 +22,7 @@ typedef struct fill_job {
 
 static int check_fill_options(cli_run *run, int *kind)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     const char *const path = cli_input_name(o->input[0]);
     int mesh, status = cli_input_kind(run, o->input[0], kind);
     if (status != CLI_DONE) return status;
@@ -39,9 +39,9 @@ static int check_fill_options(cli_run *run, int *kind)
 
 static int read_fill_inputs(cli_run *run, fill_job *job)
 {
-    int status = cli_read_input(run, run->options.input[0], &job->in);
-    if (status != CLI_DONE || run->options.mesh == NULL) return status;
-    status = cli_read_mesh(run, run->options.mesh, &job->mesh);
+    int status = cli_read_input(run, run->options->input[0], &job->in);
+    if (status != CLI_DONE || run->options->mesh == NULL) return status;
+    status = cli_read_mesh(run, run->options->mesh, &job->mesh);
     bvx_mesh_view_of(&job->mesh, &job->view);
     return status;
 }
@@ -57,7 +57,7 @@ static int make_room_for_seeds(cli_run *run, fill_job *job, uint64_t count)
 
 static int take_given_seeds(cli_run *run, fill_job *job)
 {
-    const cli_list *const list = &run->options.seeds;
+    const cli_list *const list = &run->options->seeds;
     int const status = make_room_for_seeds(run, job, (uint64_t)list->count / 3);
     job->given = 1;
     if (status != CLI_DONE) return status;
@@ -68,7 +68,7 @@ static int take_given_seeds(cli_run *run, fill_job *job)
 
 static int find_seeds(cli_run *run, fill_job *job)
 {
-    const bvx_mesh_view *const mesh = run->options.mesh != NULL ? &job->view : NULL;
+    const bvx_mesh_view *const mesh = run->options->mesh != NULL ? &job->view : NULL;
     const char *const path = cli_input_name(job->in.path);
     uint64_t room = FILL_SEEDS;
     bvx_status status;
@@ -110,13 +110,13 @@ static int fill_from_seeds(cli_run *run, fill_job *job)
     const bvx_grid *const walls = &job->in.grid;
     bvx_status status;
     cli_stage_begin(run, "fill");
-    status = bvx_grid_fill(run->context, walls, job->seeds, job->count, neighbours[run->options.connectivity], &job->out);
+    status = bvx_grid_fill(run->context, walls, job->seeds, job->count, neighbours[run->options->connectivity], &job->out);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &job->filled);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
     job->reaches_side = grid_reaches_side(&job->out);
     size_t const words = (size_t)walls->words_per_row * (size_t)walls->size[1] * (size_t)walls->size[2];
-    for (size_t i = 0; i < words && run->options.add_shell; i++) job->out.words[i] |= walls->words[i];
+    for (size_t i = 0; i < words && run->options->add_shell; i++) job->out.words[i] |= walls->words[i];
     bvx_grid_count(run->context, &job->out, &run->report.set);
     run->report.lattice = job->out.lattice;
     run->report.has_lattice = run->report.has_set = 1;
@@ -128,7 +128,7 @@ static int fill_from_seeds(cli_run *run, fill_job *job)
 static void say_fill(cli_run *run, const fill_job *job)
 {
     const bvx_seed *const s = &job->search;
-    cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options.output);
+    cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options->output);
     cli_say_grid(run, &job->out, run->report.set, job->in.placed);
     if (job->given) cli_say(run, "  seeds       %" PRIu64 "\n", job->count);
     else cli_say(run, "  pockets     %" PRIu64 "\n", job->count);
@@ -182,11 +182,11 @@ static int run_fill(cli_run *run)
     int kind, status;
     memset(&job, 0, sizeof job);
     status = check_fill_options(run, &kind);
-    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options.output);
+    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
     if (status == CLI_DONE) status = read_fill_inputs(run, &job);
-    if (status == CLI_DONE) status = run->options.seeds.count != 0 ? take_given_seeds(run, &job) : find_seeds(run, &job);
+    if (status == CLI_DONE) status = run->options->seeds.count != 0 ? take_given_seeds(run, &job) : find_seeds(run, &job);
     if (status == CLI_DONE) status = fill_from_seeds(run, &job);
-    if (status == CLI_DONE) status = cli_check_grid_format(run, run->options.output, &job.out.lattice, job.out.size);
+    if (status == CLI_DONE) status = cli_check_grid_format(run, run->options->output, &job.out.lattice, job.out.size);
     if (status == CLI_DONE) status = cli_write_grid(run, &job.out);
     if (status == CLI_DONE && job.reaches_side) cli_warn(run, "%s: the fill reaches the window's sides: these voxels do not hold it", cli_input_name(job.in.path));
     if (status == CLI_DONE) {

@@ -1,5 +1,5 @@
 /* cmd_info.c - bitvox info: what a mesh, a grid or an octree is. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -41,14 +41,14 @@ static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *
     cli_stage_begin(run, weld ? "check welded" : "check");
     status = bvx_mesh_check(run->context, &view, weld, c);
     cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
 /* Many files repeat a vertex where colours or normals change: then the surface is closed although the indices are not. */
 static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bvx_certificate *welded, int *differs)
 {
-    int const stl = cli_input_format(run, run->options.input[0]) == BVX_FORMAT_STL;
+    int const stl = cli_input_format(run, run->options->input[0]) == BVX_FORMAT_STL;
     int status = check(run, mesh, stl, c); /* STL has no indices */
     *differs = 0;
     if (status != CLI_DONE || stl || c->closed) return status;
@@ -69,13 +69,13 @@ static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *e
     bvx_mesh_view view;
     bvx_status status;
 
-    if (!run->options.count_crossings) return CLI_DONE;
+    if (!run->options->count_crossings) return CLI_DONE;
 
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "crossings");
     status = bvx_mesh_crossings(run->context, &view, &entry->crossings, NULL, 0);
     cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 
     entry->has_crossings = 1;
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
@@ -88,7 +88,7 @@ static int info_of_mesh(cli_run *run, const bvx_mesh *mesh)
     int differs, status = check_both(run, mesh, &certificate, &welded, &differs);
     if (status == CLI_DONE) status = count_crossings(run, mesh, entry);
     if (status != CLI_DONE) return status;
-    entry->path = run->options.input[0];
+    entry->path = run->options->input[0];
     entry->certificate = certificate;
     entry->welded = differs ? &welded : NULL;
     entry->colours = mesh->colours != NULL;
@@ -265,7 +265,7 @@ static int holds_samples(int32_t format)
 
 static int read_for_info(cli_run *run, cli_input *in, int *cloud)
 {
-    const char *const path = run->options.input[0];
+    const char *const path = run->options->input[0];
     int const points = cli_input_format(run, path) == BVX_FORMAT_XYZ;
     int kind = CLI_MESH, status = points ? CLI_DONE : cli_input_kind(run, path, &kind);
     memset(in, 0, sizeof *in);
@@ -276,7 +276,7 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud)
     if (cli_input_format(run, path) == BVX_FORMAT_RAW)
         return cli_fail(run, "%s: a file of samples alone does not say how they lie; 'bitvox convert' with --shape, --sample-type and --level, --range or --label "
                         "makes a grid of them", cli_input_name(path));
-    if (run->options.count_crossings && kind != CLI_MESH)
+    if (run->options->count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
     if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0) {
         status = cli_tell_samples(run, path);
@@ -287,12 +287,12 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud)
 
 static int run_info(cli_run *run)
 {
-    const char *const path = run->options.input[0];
+    const char *const path = run->options->input[0];
     cli_input in;
     int cloud, status;
 
     if (cli_is_contours(run, path)) {
-        if (run->options.count_crossings) return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
+        if (run->options->count_crossings) return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
         return cli_tell_sections(run, path);
     }
     status = read_for_info(run, &in, &cloud);

@@ -29,7 +29,7 @@ static const char *given_of(const cli_run *run, const char *const *names)
 /* --method, or what the input and the other options mean; *collapse tells. */
 static int choose_method(cli_run *run, int kind, int *collapse)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     const char *const in = cli_input_name(o->input[0]);
     const char *const solid = given_of(run, of_solid), *const edges = given_of(run, of_collapse);
 
@@ -51,13 +51,13 @@ static int refuse_for_grid(cli_run *run)
     static const char *const option[] = {"--resolution", "--padding", "--fill", "--close-gaps", "--carry"};
     for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
         if (cli_given(run, option[i]))
-            return cli_usage(run, "%s is for meshes; %s is a grid", option[i], cli_input_name(run->options.input[0]));
+            return cli_usage(run, "%s is for meshes; %s is a grid", option[i], cli_input_name(run->options->input[0]));
     return CLI_DONE;
 }
 
 static int check_lod_options(cli_run *run, cli_chain *c)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     if (cli_check_mesh_name(run, o->output) != CLI_DONE) return CLI_USAGE;
     if (c->kind == CLI_GRID && refuse_for_grid(run) != CLI_DONE) return CLI_USAGE;
     if (cli_check_fill(run) != CLI_DONE) return CLI_USAGE;
@@ -80,7 +80,7 @@ static int check_lod_options(cli_run *run, cli_chain *c)
 
 static int make_level(cli_run *run, cli_chain *c, int i)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     cli_mesh_entry *const entry = &run->report.mesh[i];
     int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, i);
     uint64_t const target = c->by_triangles ? (uint64_t)o->triangles.value[i] : 0;
@@ -131,7 +131,7 @@ static int make_level(cli_run *run, cli_chain *c, int i)
 
 static int measure_level(cli_run *run, cli_chain *c, int i)
 {
-    uint64_t const samples = run->options.samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options.samples;
+    uint64_t const samples = run->options->samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options->samples;
     bvx_mesh_view view;
     bvx_status status;
     if (samples == 0) return CLI_DONE;
@@ -152,7 +152,7 @@ static void say_head(cli_run *run, const cli_chain *c)
     if (c->kind == CLI_GRID) {
         const int32_t *const n = c->solid.size;
         cli_say(run, "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " set; their surface has %" PRIu64 " triangles; diagonal %.6g\n\n",
-                cli_input_name(run->options.input[0]), n[0], n[1], n[2], run->report.set, c->input_triangles, c->diagonal);
+                cli_input_name(run->options->input[0]), n[0], n[1], n[2], run->report.set, c->input_triangles, c->diagonal);
         return;
     }
     cli_say_input(run, c->input.triangle_count, &c->certificate, c->diagonal);
@@ -181,7 +181,7 @@ static int make_chain(cli_run *run, cli_chain *c)
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
     if (status == CLI_DONE) status = cli_write_levels(run, c->mesh, c->count, c->path);
     if (status != CLI_DONE) return status;
-    if (run->options.carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
+    if (run->options->carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
     say_head(run, c);
     say_levels(run, c);
     cli_say_distances(run, c->count, c->diagonal, 3, c->kind == CLI_GRID ? "to the voxels' surface, " : "", c->kind == CLI_GRID ? "grid" : "mesh");
@@ -207,7 +207,7 @@ static int lod_by_solid(cli_run *run, int kind)
 
 static int run_lod(cli_run *run)
 {
-    int kind, collapse = 0, status = cli_input_kind(run, run->options.input[0], &kind);
+    int kind, collapse = 0, status = cli_input_kind(run, run->options->input[0], &kind);
 
     if (status == CLI_DONE) status = choose_method(run, kind, &collapse);
     if (status != CLI_DONE) return status;

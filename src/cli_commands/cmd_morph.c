@@ -1,5 +1,5 @@
 /* cmd_morph.c - bitvox morph: voxels grown, shrunk, smoothed and hollowed, and the distances between them. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -28,7 +28,7 @@ static const char *action_at(const void *user, int i)
 
 static int take_action(cli_run *run, morph_job *job)
 {
-    const char *const word = run->options.input[0];
+    const char *const word = run->options->input[0];
     const char *near;
     for (int i = 0; i < ACTIONS; i++)
         if (strcmp(word, action_names[i]) == 0) {
@@ -55,16 +55,16 @@ static int refuse_unused(cli_run *run, morph_action action)
             return cli_usage(run, "morph %s has no use for %s", action_names[action], uses[i].option);
     if (cli_given(run, "--radius") && (cli_given(run, "--neighbourhood") || cli_given(run, "--steps")))
         return cli_usage(run, "--radius is in place of --neighbourhood and --steps");
-    if (action == HOLLOW && !(run->options.thickness > 0.0)) return cli_usage(run, "morph hollow needs --thickness, above 0");
-    if (cli_given(run, "--drain-side") && !(run->options.drain > 0.0)) return cli_usage(run, "--drain-side needs --drain");
-    if (action != DISTANCE && cli_given(run, "--beyond") && run->options.beyond == BVX_BEYOND_NOTHING)
+    if (action == HOLLOW && !(run->options->thickness > 0.0)) return cli_usage(run, "morph hollow needs --thickness, above 0");
+    if (cli_given(run, "--drain-side") && !(run->options->drain > 0.0)) return cli_usage(run, "--drain-side needs --drain");
+    if (action != DISTANCE && cli_given(run, "--beyond") && run->options->beyond == BVX_BEYOND_NOTHING)
         return cli_usage(run, "--beyond nothing is for distances");
     return CLI_DONE;
 }
 
 static int check_morph_output(cli_run *run, morph_action action)
 {
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
     int32_t const format = bvx_format_of_name(out);
     if (action != DISTANCE) return cli_check_grid_name(run, out);
     if (format != BVX_FORMAT_NPY && format != BVX_FORMAT_NRRD && format != BVX_FORMAT_VTI)
@@ -74,7 +74,7 @@ static int check_morph_output(cli_run *run, morph_action action)
 
 static int check_morph_options(cli_run *run, morph_job *job)
 {
-    const char *const path = run->options.input[1];
+    const char *const path = run->options->input[1];
     int kind, status = take_action(run, job);
     if (status == CLI_DONE) status = refuse_unused(run, job->action);
     if (status == CLI_DONE) status = check_morph_output(run, job->action);
@@ -90,7 +90,7 @@ static int check_morph_options(cli_run *run, morph_job *job)
 /* A mesh's lattice gets room for what dilation adds. */
 static int make_room(cli_run *run, morph_job *job)
 {
-    cli_options *const o = &run->options;
+    cli_options *const o = run->options;
     bvx_mesh_view view;
     bvx_lattice l;
     bvx_status status;
@@ -111,7 +111,7 @@ static bvx_status change_voxels(cli_run *run, morph_job *job)
     static bvx_status (*const operation[4])(bvx_context *, const bvx_grid *, const bvx_morph_options *, bvx_grid *) = {
         bvx_grid_dilate, bvx_grid_erode, bvx_grid_open, bvx_grid_close};
     static const int32_t neighbourhoods[3] = {6, 18, 26};
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     bvx_morph_options m;
     bvx_morph_options_init(&m, sizeof m);
     if (cli_given(run, "--radius")) {
@@ -127,7 +127,7 @@ static bvx_status change_voxels(cli_run *run, morph_job *job)
 
 static bvx_status hollow_voxels(cli_run *run, morph_job *job)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     bvx_hollow_options h;
     bvx_hollow_options_init(&h, sizeof h);
     h.thickness = o->thickness;
@@ -153,7 +153,7 @@ static int touches_side(const bvx_grid *g)
 static void tell_morph(cli_run *run, const morph_job *job)
 {
     cli_text *const t = &run->report.more;
-    cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options.output);
+    cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options->output);
     cli_say_grid(run, &job->out, run->report.set, job->in.kind == CLI_MESH || job->in.placed);
     cli_say(run, "  %-10s  from %" PRIu64 " voxels\n", action_names[job->action], job->before);
     cli_text_add(t, ", \"morph\": {\"action\": \"%s\"", action_names[job->action]);
@@ -166,7 +166,7 @@ static void tell_morph(cli_run *run, const morph_job *job)
         cli_json_count(t, "hollowed", h->hollowed);
         cli_json_count(t, "drained", h->drained);
         if (h->drained != 0) cli_json_triple(t, "drain", h->drain);
-        if (h->hollowed == 0) cli_warn(run, "nothing lies deeper than %.9g: there is no hollow", run->options.thickness);
+        if (h->hollowed == 0) cli_warn(run, "nothing lies deeper than %.9g: there is no hollow", run->options->thickness);
     }
     cli_text_add(t, "}");
     if (job->action == DILATE && !job->roomy && touches_side(&job->out) && !touches_side(&job->in.grid))
@@ -184,7 +184,7 @@ static int write_changed(cli_run *run, morph_job *job)
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
     run->report.lattice = job->out.lattice;
     run->report.has_lattice = run->report.has_set = 1;
-    int result = cli_check_grid_format(run, run->options.output, &job->out.lattice, job->out.size);
+    int result = cli_check_grid_format(run, run->options->output, &job->out.lattice, job->out.size);
     if (result == CLI_DONE) result = cli_write_grid(run, &job->out);
     if (result == CLI_DONE) tell_morph(run, job);
     return result;
@@ -211,7 +211,7 @@ static bvx_status make_band(cli_run *run, const bvx_grid *grid, bvx_field *field
 
 static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     size_t const size = field->value_type == BVX_F64 ? 8 : 4;
     bvx_distance_options d;
     bvx_status const status = make_band(run, grid, field);
@@ -240,10 +240,10 @@ static void tell_distances(cli_run *run, const morph_job *job, const bvx_field *
         if (v < least) least = v;
         if (v > greatest) greatest = v;
     }
-    cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options.output);
+    cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options->output);
     cli_say_grid(run, &job->in.grid, run->report.set, job->in.kind == CLI_MESH || job->in.placed);
-    cli_say(run, "  distances   %s, %.9g to %.9g\n", sides[run->options.side], least, greatest);
-    cli_text_add(t, ", \"morph\": {\"action\": \"distance\", \"side\": \"%s\"", sides[run->options.side]);
+    cli_say(run, "  distances   %s, %.9g to %.9g\n", sides[run->options->side], least, greatest);
+    cli_text_add(t, ", \"morph\": {\"action\": \"distance\", \"side\": \"%s\"", sides[run->options->side]);
     cli_json_value(t, "least", least);
     cli_json_value(t, "greatest", greatest);
     cli_text_add(t, "}");
@@ -257,7 +257,7 @@ static int write_distances(cli_run *run, morph_job *job)
     bvx_status status;
     int result;
     memset(&field, 0, sizeof field);
-    field.value_type = cli_given(run, "--value-type") ? run->options.value_type : BVX_F32;
+    field.value_type = cli_given(run, "--value-type") ? run->options->value_type : BVX_F32;
     field.half_width = (double)INFINITY;
     field.sign = BVX_SIGN_NONE;
     run->report.lattice = job->in.grid.lattice;
@@ -282,8 +282,8 @@ static int run_morph(cli_run *run)
     int status;
     memset(&job, 0, sizeof job);
     status = check_morph_options(run, &job);
-    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options.output);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options.input[1], &job.in);
+    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[1], &job.in);
     if (status == CLI_DONE && job.in.kind == CLI_MESH) {
         status = make_room(run, &job);
         if (status == CLI_DONE) status = cli_fill_input(run, &job.in);

@@ -1,5 +1,5 @@
 /* cmd_refine.c - bitvox refine: voxels of several sizes, the small ones at the surface alone. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -13,20 +13,20 @@ static int check_options_for_tree(cli_run *run)
 {
     static const char *const for_meshes[] = {"--resolution", "--base", "--halvings", "--outer-levels", "--adaptive"};
     for (size_t i = 0; i < sizeof for_meshes / sizeof for_meshes[0]; i++)
-        if (cli_given(run, for_meshes[i])) return cli_usage(run, "%s is for meshes; %s is not a mesh", for_meshes[i], cli_input_name(run->options.input[0]));
+        if (cli_given(run, for_meshes[i])) return cli_usage(run, "%s is for meshes; %s is not a mesh", for_meshes[i], cli_input_name(run->options->input[0]));
     return CLI_DONE;
 }
 
 /* The number of the last level, REFINE_AUTO when it is to be chosen. */
 static int32_t levels_asked_for(const cli_run *run)
 {
-    if (cli_given(run, "--halvings")) return run->options.depth;
-    return run->options.resolution.count != 0 ? REFINE_AUTO : REFINE_LEVELS;
+    if (cli_given(run, "--halvings")) return run->options->depth;
+    return run->options->resolution.count != 0 ? REFINE_AUTO : REFINE_LEVELS;
 }
 
 static int check_levels(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int32_t const levels = levels_asked_for(run);
     if (o->resolution.count != 0 && o->base_voxels != 0) return cli_usage(run, "--resolution and --base contradict each other");
     if (levels == REFINE_AUTO && o->resolution.count == 0) return cli_usage(run, "--halvings auto needs --resolution");
@@ -39,14 +39,14 @@ static int check_levels(cli_run *run)
 
 static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
 {
-    const char *const path = run->options.input[0];
+    const char *const path = run->options->input[0];
     int status = cli_check_tree_output(run, t);
     if (status == CLI_DONE) status = cli_input_kind(run, path, kind);
     if (status != CLI_DONE) return status;
     if (*kind == CLI_GRID && cli_input_format(run, path) != BVX_FORMAT_BVX)
         return cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
-    if (*kind == CLI_GRID && run->options.window.count != 0 && t->kind != CLI_GRID)
-        return cli_usage(run, "--window of an octree is for grids; %s would be none", run->options.output);
+    if (*kind == CLI_GRID && run->options->window.count != 0 && t->kind != CLI_GRID)
+        return cli_usage(run, "--window of an octree is for grids; %s would be none", run->options->output);
     status = *kind == CLI_MESH ? check_levels(run) : check_options_for_tree(run);
     return status == CLI_DONE ? cli_window_option(run, &t->window) : status;
 }
@@ -56,7 +56,7 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
 /* The base, and the levels where they follow from a resolution. */
 static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_options *r, bvx_lattice *base)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int32_t const levels = levels_asked_for(run);
     int64_t const finest = o->resolution.count != 0 ? o->resolution.value[0] : 0;
     if (levels == REFINE_AUTO) return bvx_refine_choose(run->context, view, (int32_t)finest, r, base);
@@ -67,7 +67,7 @@ static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_
 
 static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     const char *const path = cli_input_name(o->input[0]);
     bvx_refine_options r;
     bvx_octree *tree = NULL;
@@ -88,7 +88,7 @@ static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
 
 static int read_tree(cli_run *run, cli_tree *t)
 {
-    const char *const path = run->options.input[0];
+    const char *const path = run->options->input[0];
     cli_input in;
     int status = cli_read_grid_or_tree(run, path, NULL, &in);
     if (status == CLI_DONE && in.kind != CLI_TREE)
@@ -106,7 +106,7 @@ static int make_tree(cli_run *run, int kind, cli_tree *t)
     bvx_mesh mesh = {0};
     int status;
     if (kind == CLI_GRID) return read_tree(run, t);
-    status = cli_read_mesh(run, run->options.input[0], &mesh);
+    status = cli_read_mesh(run, run->options->input[0], &mesh);
     if (status == CLI_DONE) status = refine_mesh(run, &mesh, t);
     bvx_mesh_free(run->context, &mesh);
     return status;
@@ -114,7 +114,7 @@ static int make_tree(cli_run *run, int kind, cli_tree *t)
 
 static void say_refined(cli_run *run, const cli_tree *t)
 {
-    const char *const path = cli_input_name(run->options.input[0]);
+    const char *const path = cli_input_name(run->options->input[0]);
     if (t->triangles == 0) cli_say(run, "%s\n\n", path);
     else cli_say(run, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles, t->seconds * 1e3);
     cli_say_levels(run, t);

@@ -17,7 +17,7 @@ typedef struct sheet {
 
 static void choose_size(const cli_run *run, int pictures, sheet *s)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     s->width = o->size.count != 0 ? (int32_t)o->size.value[0] : pictures == 1 ? 1024 : 640;
     s->height = o->size.count != 0 ? (int32_t)o->size.value[1] : pictures == 1 ? 768 : 480;
     s->rows = (pictures + 3) / 4;
@@ -26,12 +26,12 @@ static void choose_size(const cli_run *run, int pictures, sheet *s)
 
 static int open_sheet(cli_run *run, sheet *s)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     uint64_t bytes;
     s->image.width = s->width * s->columns;
     s->image.height = s->height * s->rows;
     bytes = (uint64_t)s->image.width * (uint64_t)s->image.height * 3;
-    if (o->memory_limit != 0 && bytes > o->memory_limit)
+    if (o->general.memory_limit != 0 && bytes > o->general.memory_limit)
         return cli_fail(run, "a picture of %" PRIu64 " bytes is more than --memory-limit allows", bytes);
     s->image.pixels = bytes <= SIZE_MAX ? malloc((size_t)bytes) : NULL;
     if (s->image.pixels == NULL) return cli_fail(run, "no memory for a picture of %" PRIu64 " bytes", bytes);
@@ -62,7 +62,7 @@ static void report_pictures(cli_run *run, int32_t width, int32_t height, int32_t
 {
     cli_text *const t = &run->report.more;
     cli_text_add(t, ", \"pictures\": {\"path\": ");
-    cli_json_string(t, run->options.output);
+    cli_json_string(t, run->options->output);
     cli_text_add(t, ", \"count\": %" PRId32 ", \"width\": %" PRId32 ", \"height\": %" PRId32 "}", count, width, height);
 }
 
@@ -94,7 +94,7 @@ static int draw_stage(cli_run *run, const cli_scene *scene, const sheet *s, cons
 /* One picture, or several on a sheet; inputs are held one after the other. */
 static int render_sheet(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int const pictures = o->difference ? 1 : o->inputs;
     static const double all_of_it[2] = {0.0, 0.0};
     double direction[3], up[3];
@@ -132,7 +132,7 @@ static int render_sheet(cli_run *run)
 /* The name of frame i: %d replaced, with zeros before it so that names are in order, or as many digits as the name says. */
 static int open_frame(cli_run *run, int32_t i, int32_t count)
 {
-    const char *const pattern = run->options.output;
+    const char *const pattern = run->options->output;
     size_t length = 0;
     int digits = 0, status;
     const char *const place = cli_number_place(pattern, &length, &digits);
@@ -148,7 +148,7 @@ static int open_frame(cli_run *run, int32_t i, int32_t count)
 
 static int render_turntable(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int32_t const count = o->turntable;
     double direction[3], up[3], turned[3], show[2];
     cli_scene scene;
@@ -188,7 +188,7 @@ static int points_nowhere(const cli_triple *t)
 static int check_slices(cli_run *run)
 {
     static const char *const useless[] = {"--cut", "--from", "--up", "--smooth", "--wireframe", "--compare", "--turntable"};
-    if (run->options.slices.count == 0) return CLI_DONE;
+    if (run->options->slices.count == 0) return CLI_DONE;
     for (size_t i = 0; i < sizeof useless / sizeof useless[0]; i++)
         if (cli_given(run, useless[i])) return cli_usage(run, "--slices and %s exclude each other", useless[i]);
     return CLI_DONE;
@@ -196,7 +196,7 @@ static int check_slices(cli_run *run)
 
 static int check_turntable(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     double direction[3], up[3], turned[3];
     if (o->turntable == 0) return CLI_DONE;
     if (o->inputs > 1 && !o->difference) return cli_usage(run, "--turntable takes one input, or two with --compare");
@@ -211,7 +211,7 @@ static int check_turntable(cli_run *run)
 /* Which inputs are meshes decides what has a use. */
 static int check_kinds(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int meshes = 0, kind, status = CLI_DONE;
     for (int i = 0; i < o->inputs && status == CLI_DONE; i++) {
         status = cli_input_kind(run, o->input[i], &kind);
@@ -229,7 +229,7 @@ static int check_kinds(cli_run *run)
 
 static int check_render_options(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int status;
     if (bvx_format_of_name(o->output) != BVX_FORMAT_PNG || cli_is_packed(o->output))
         return cli_usage(run, "%s: the name ends in no picture format that is written (.png)", o->output);
@@ -245,7 +245,7 @@ static int run_render(cli_run *run)
 {
     int const status = check_render_options(run);
     if (status != CLI_DONE) return status;
-    return run->options.turntable != 0 ? render_turntable(run) : render_sheet(run);
+    return run->options->turntable != 0 ? render_turntable(run) : render_sheet(run);
 }
 
 const cli_command cli_render = {

@@ -1,5 +1,5 @@
 /* cmd_repair.c - bitvox repair: a closed, manifold, oriented mesh from any. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -87,7 +87,7 @@ static void say_found(cli_run *run, const bvx_repair_report *r)
     if (c->nonmanifold_edges != 0) cli_say(run, "  junctions   %" PRIu64 " edges of three triangles or more\n", c->nonmanifold_edges);
     if (c->duplicates + c->degenerate + c->collapsed != 0)
         cli_say(run, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates, c->degenerate + c->collapsed);
-    if (run->options.measure && r->overlaps != 0) cli_say(run, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
+    if (run->options->measure && r->overlaps != 0) cli_say(run, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
 }
 
 static void say_thin(cli_run *run, const bvx_repair_report *r)
@@ -142,7 +142,7 @@ static void say_repaired(cli_run *run, const bvx_repair_report *r, const cli_red
     cli_say(run, "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64 " components, volume %.6g\n", c->triangles,
             c->vertices, c->closed ? ", closed" : ", OPEN", c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
             c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
-    if (!run->options.measure) return;
+    if (!run->options->measure) return;
     cli_say(run, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)", r->distance.mean_a_to_b,
             r->distance.max_a_to_b, r->distance.mean_b_to_a, r->distance.max_b_to_a);
     if (!r->copied && r->mean_off_caps < HUGE_VAL) cli_say(run, ", off the caps %.3g (%.3g)", r->mean_off_caps, r->max_off_caps);
@@ -151,7 +151,7 @@ static void say_repaired(cli_run *run, const bvx_repair_report *r, const cli_red
 
 static void take_repair_options(const cli_run *run, bvx_repair_options *o)
 {
-    const cli_options *const c = &run->options;
+    const cli_options *const c = run->options;
     bvx_repair_options_init(o, sizeof *o);
     if (c->resolution.count != 0) o->resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;
@@ -168,7 +168,7 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
 
 static int check_repair_options(cli_run *run)
 {
-    if (cli_check_mesh_name(run, run->options.output) != CLI_DONE) return CLI_USAGE;
+    if (cli_check_mesh_name(run, run->options->output) != CLI_DONE) return CLI_USAGE;
     if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
     if (cli_check_sharp(run) != CLI_DONE) return CLI_USAGE;
     if (cli_check_carry_name(run) != CLI_DONE) return CLI_USAGE;
@@ -187,7 +187,7 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
     cli_stage_begin(run, "repair");
     status = bvx_repair(run->context, &view, &o, repaired);
     cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 }
 
 /* Edges of the result collapse; what was measured of it is measured again. */
@@ -199,7 +199,7 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
 
     if (result != CLI_DONE || !reduction->done) return result;
     report->after = reduction->level.certificate;
-    if (!run->options.measure) return CLI_DONE;
+    if (!run->options->measure) return CLI_DONE;
 
     bvx_mesh_view_of(source, &from);
     bvx_mesh_view_of(repaired, &to);
@@ -207,18 +207,18 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     status = bvx_mesh_distance(run->context, &from, &to, report->distance.samples, report->distance.seed, &report->distance);
     cli_stage_end(run);
     report->mean_off_caps = report->max_off_caps = HUGE_VAL; /* not known of the fewer triangles */
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 }
 
 static int carry_attributes(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired)
 {
     bvx_status status;
 
-    if (!run->options.carry) return CLI_DONE;
+    if (!run->options->carry) return CLI_DONE;
     cli_stage_begin(run, "carry");
     status = bvx_mesh_carry(run->context, source, repaired);
     cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 }
 
 /* The report's certificate becomes that of the file. */
@@ -229,14 +229,14 @@ static int write_repaired(cli_run *run, const bvx_mesh *repaired, bvx_repair_rep
 
     run->report.lattice = report->lattice;
     run->report.has_lattice = !report->copied;
-    entry->path = run->options.output;
+    entry->path = run->options->output;
     entry->certificate = report->after;
-    if (run->options.measure) entry->distance = &report->distance;
+    if (run->options->measure) entry->distance = &report->distance;
     run->report.meshes = 1;
 
     result = cli_write_mesh(run, repaired);
     report->after = entry->certificate;
-    cli_report_repair(run, report, run->options.measure);
+    cli_report_repair(run, report, run->options->measure);
     warn_of_repair(run, report, reduction);
     return result;
 }
@@ -247,15 +247,15 @@ static int run_repair(cli_run *run)
     cli_reduction reduction = {0};
     bvx_mesh source = {0}, repaired = {0};
     int status = check_repair_options(run);
-    if (status == CLI_DONE) status = cli_open_output(run, run->options.output);
-    if (status == CLI_DONE) status = cli_read_mesh(run, run->options.input[0], &source);
+    if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
+    if (status == CLI_DONE) status = cli_read_mesh(run, run->options->input[0], &source);
     if (status == CLI_DONE) status = cli_check_carry(run, &source);
     if (status == CLI_DONE) status = repair_mesh(run, &source, &repaired, &report);
     if (status == CLI_DONE) status = reduce_repaired(run, &source, &repaired, &report, &reduction);
     if (status == CLI_DONE) status = carry_attributes(run, &source, &repaired);
     if (status == CLI_DONE) status = write_repaired(run, &repaired, &report, &reduction);
     if (status == CLI_DONE) {
-        cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
+        cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
         say_found(run, &report);
         say_repaired(run, &report, &reduction);
     }

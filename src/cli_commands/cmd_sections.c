@@ -1,5 +1,5 @@
 /* cmd_sections.c - bitvox sections: section contours to a closed body and its block model. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -24,7 +24,7 @@ typedef struct sections_job {
 
 static int check_sections_options(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int32_t const format = cli_input_format(run, o->input[0]);
     if (!cli_is_contours(run, o->input[0]))
         return cli_usage(run, "%s: the name ends in no contour format that is read (" CLI_CONTOURS_READ ", also with .gz)", cli_input_name(o->input[0]));
@@ -48,7 +48,7 @@ static int check_sections_options(cli_run *run)
 
 static int build_body(cli_run *run, sections_job *job)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     cli_mesh_entry *const entry = &run->report.mesh[0];
     bvx_sections_options s;
     bvx_mesh_view view;
@@ -129,7 +129,7 @@ static void add_blocks(sections_job *job, const bvx_grid *g, int32_t k, const do
 /* Corners of blocks at whole multiples of their sides, as block models are laid out; a layer of blocks at a time. */
 static int make_blocks(cli_run *run, sections_job *job, cli_text *text)
 {
-    const double *const side = run->options.block.value;
+    const double *const side = run->options->block.value;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
     double origin[3], spacing[3];
     int32_t dims[3], layers;
@@ -161,7 +161,7 @@ static int make_blocks(cli_run *run, sections_job *job, cli_text *text)
         bvx_grid_free(run->context, &grid);
     }
     job->block_seconds = cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options.block_model);
+    if (status != BVX_OK) return cli_fail_status(run, status, run->options->block_model);
     return text->failed ? cli_fail(run, "no memory for the block model") : CLI_DONE;
 }
 
@@ -169,9 +169,9 @@ static int make_blocks(cli_run *run, sections_job *job, cli_text *text)
 
 static int write_outputs(cli_run *run, sections_job *job, const cli_text *blocks)
 {
-    int result = cli_write_mesh_as(run, &job->mesh, 0, run->options.output);
+    int result = cli_write_mesh_as(run, &job->mesh, 0, run->options->output);
 
-    if (result == CLI_DONE && run->options.block_model != NULL) {
+    if (result == CLI_DONE && run->options->block_model != NULL) {
         bvx_buffer text = {0};
         text.bytes = (uint8_t *)blocks->bytes;
         text.size = blocks->size;
@@ -190,7 +190,7 @@ static void say_body(cli_run *run, const sections_job *job)
 {
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
-    cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
+    cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
     cli_say(run, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points", r->sections, r->loops, r->holes, r->points);
     if (r->empty_sections != 0) cli_say(run, ", %" PRIu64 " empty", r->empty_sections);
     if (r->mended_loops != 0) cli_say(run, "; %" PRIu64 " loops mended", r->mended_loops);
@@ -210,7 +210,7 @@ static void say_body(cli_run *run, const sections_job *job)
     cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n", c->triangles, c->vertices, c->components,
             c->components == 1 ? "" : "s", verdict(c));
     cli_say(run, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
-    if (run->options.block_model != NULL) cli_say(run, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
+    if (run->options->block_model != NULL) cli_say(run, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
     cli_say(run, "\n  time        %.1f ms\n", job->seconds * 1e3);
 }
 
@@ -257,7 +257,7 @@ static void report_body(cli_run *run, const sections_job *job)
     cli_json_count(t, "ambiguous_faces", r->ambiguous_faces);
     cli_json_count(t, "inner_vertices", r->inner_vertices);
     cli_json_value(t, "prismoid_volume", r->prismoid_volume);
-    if (run->options.block_model != NULL) {
+    if (run->options->block_model != NULL) {
         cli_json_count(t, "blocks", job->blocks);
         cli_json_value(t, "block_volume", job->block_volume);
     }
@@ -269,7 +269,7 @@ static void report_body(cli_run *run, const sections_job *job)
 static void warn_of_body(cli_run *run, const sections_job *job)
 {
     const bvx_sections_report *const r = &job->report;
-    int32_t const depth = cli_given(run, "--subdivide") ? run->options.subdivide : USUAL_DEPTH;
+    int32_t const depth = cli_given(run, "--subdivide") ? run->options->subdivide : USUAL_DEPTH;
 
     if (r->unkept_edges + r->unkept_loops != 0)
         cli_warn(run, "%" PRIu64 " edges and %" PRIu64 " loops are too fine for the cells: what joins them to the next section is a "
@@ -277,7 +277,7 @@ static void warn_of_body(cli_run *run, const sections_job *job)
     if (r->joined_slabs != 0)
         cli_warn(run, "between %" PRIu64 " pairs of sections walls are too thin for the cells and may have windows; take a finer --grid",
                  r->joined_slabs);
-    if (run->options.caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
+    if (run->options->caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
         cli_warn(run, "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no area with one of "
                  "the next section do not join it; sections that lie closer together do", job->volume / r->prismoid_volume,
                  job->volume, r->prismoid_volume);
@@ -289,11 +289,11 @@ static int run_sections(cli_run *run)
     cli_text blocks = {NULL, 0, 0, 0};
     int status = check_sections_options(run);
     memset(&job, 0, sizeof job);
-    if (status == CLI_DONE) status = cli_open_output(run, run->options.output);
-    if (status == CLI_DONE && run->options.block_model != NULL) status = cli_open_output(run, run->options.block_model);
-    if (status == CLI_DONE) status = cli_read_sections(run, run->options.input[0], &job.sections);
+    if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
+    if (status == CLI_DONE && run->options->block_model != NULL) status = cli_open_output(run, run->options->block_model);
+    if (status == CLI_DONE) status = cli_read_sections(run, run->options->input[0], &job.sections);
     if (status == CLI_DONE) status = build_body(run, &job);
-    if (status == CLI_DONE && run->options.block_model != NULL) status = make_blocks(run, &job, &blocks);
+    if (status == CLI_DONE && run->options->block_model != NULL) status = make_blocks(run, &job, &blocks);
     if (status == CLI_DONE) status = reduce_body(run, &job);
     if (status == CLI_DONE) status = write_outputs(run, &job, &blocks);
     if (status == CLI_DONE) {

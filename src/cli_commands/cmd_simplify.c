@@ -24,12 +24,12 @@ static void fault_text(const bvx_certificate *c, char *text, size_t room)
 /* With borders allowed the library says what is wrong, and mends what it can. */
 static int borders_of(const cli_run *run)
 {
-    return cli_given(run, "--open") ? run->options.open : BVX_OPEN_KEEP;
+    return cli_given(run, "--open") ? run->options->open : BVX_OPEN_KEEP;
 }
 
 static int check_input(cli_run *run, cli_collapse_run *c)
 {
-    const char *const in = cli_input_name(run->options.input[0]);
+    const char *const in = cli_input_name(run->options->input[0]);
     char fault[96];
     bvx_status status;
 
@@ -48,7 +48,7 @@ static int check_input(cli_run *run, cli_collapse_run *c)
 
 static int simplify_input(cli_run *run, cli_collapse_run *c)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     bvx_simplify_options s;
     bvx_status status;
 
@@ -83,7 +83,7 @@ static void say_head(cli_run *run, const cli_collapse_run *c)
 /* What the library mends of a mesh that is not oriented, or has triangles twice. */
 static void warn_of_input(cli_run *run, const cli_collapse_run *c)
 {
-    const char *const in = cli_input_name(run->options.input[0]);
+    const char *const in = cli_input_name(run->options->input[0]);
 
     if (c->before.duplicates != 0)
         cli_warn(run, "%s: %" PRIu64 " triangle%s there twice: counted once", in, c->before.duplicates,
@@ -96,13 +96,13 @@ static void warn_of_input(cli_run *run, const cli_collapse_run *c)
 static int run_simplify(cli_run *run)
 {
     static cli_collapse_run c; /* the report points into it until the program ends */
-    int kind, status = cli_input_kind(run, run->options.input[0], &kind);
+    int kind, status = cli_input_kind(run, run->options->input[0], &kind);
 
     memset(&c, 0, sizeof c);
 
     if (status == CLI_DONE && kind != CLI_MESH)
         status = cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",
-                           cli_input_name(run->options.input[0]));
+                           cli_input_name(run->options->input[0]));
     c.usual_count = 1;
     if (status == CLI_DONE) status = cli_check_collapse(run, &c);
     if (status == CLI_DONE) status = cli_open_collapse(run, &c);

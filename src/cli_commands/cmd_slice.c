@@ -1,12 +1,12 @@
 /* cmd_slice.c - bitvox slice: the contours of a mesh or grid on parallel planes. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <string.h>
 
 static int check_slice_options(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int32_t const format = bvx_format_of_name(o->output);
     int kind, status = cli_input_kind(run, o->input[0], &kind);
     if (status != CLI_DONE) return status;
@@ -34,23 +34,23 @@ static int slice_surface(cli_run *run, cli_input *in)
 
 static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections)
 {
-    int const axis = run->options.up_axis != 0 ? run->options.up_axis - 1 : 2;
+    int const axis = run->options->up_axis != 0 ? run->options->up_axis - 1 : 2;
     bvx_slice_options s;
     bvx_mesh_view view;
     bvx_status status;
     bvx_slice_options_init(&s, sizeof s);
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
-    s.spacing = run->options.spacing;
+    s.spacing = run->options->spacing;
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "slice");
     status = bvx_slice_mesh(run->context, &view, &s, sections);
     cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 }
 
 static int write_contours(cli_run *run, const bvx_sections *sections)
 {
-    const char *const path = run->options.output;
+    const char *const path = run->options->output;
     bvx_buffer file = {0};
     bvx_status status;
     int result;
@@ -71,14 +71,14 @@ static int run_slice(cli_run *run)
     int status = check_slice_options(run);
     memset(&sections, 0, sizeof sections);
     memset(&in, 0, sizeof in);
-    if (status == CLI_DONE) status = cli_open_output(run, run->options.output);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options.input[0], &in);
+    if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &in);
     if (status == CLI_DONE) status = slice_surface(run, &in);
     if (status == CLI_DONE) status = slice_mesh(run, &in.mesh, &sections);
     if (status == CLI_DONE) status = write_contours(run, &sections);
     if (status == CLI_DONE) {
-        cli_say(run, "%s -> %s\n  %" PRIu64 " planes, %" PRIu64 " loops, %" PRIu64 " points\n", cli_input_name(run->options.input[0]),
-                run->options.output, sections.section_count, sections.loop_count, sections.point_count);
+        cli_say(run, "%s -> %s\n  %" PRIu64 " planes, %" PRIu64 " loops, %" PRIu64 " points\n", cli_input_name(run->options->input[0]),
+                run->options->output, sections.section_count, sections.loop_count, sections.point_count);
         cli_text_add(&run->report.more, ", \"slice\": {\"planes\": %" PRIu64, sections.section_count);
         cli_json_count(&run->report.more, "loops", sections.loop_count);
         cli_json_count(&run->report.more, "points", sections.point_count);

@@ -1,5 +1,5 @@
 /* cmd_voxelize.c - bitvox voxelize: the solid or the surface of a mesh as a grid, or the distances to it. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -21,7 +21,7 @@ static int check_mode(cli_run *run)
 {
     static const char *const of_solids[] = {"--fill", "--close-gaps", "--add-shell", "--check-edges", "--check-thin", "--compare-fills",
                                             "--base", "--second", "--up"};
-    int32_t const mode = run->options.mode;
+    int32_t const mode = run->options->mode;
     for (size_t i = 0; i < sizeof of_solids / sizeof of_solids[0] && mode != CLI_MODE_SOLID; i++)
         if (cli_given(run, of_solids[i])) return cli_usage(run, "%s is for solids; --mode %s has no use for it", of_solids[i], cli_mode_names[mode]);
     return CLI_DONE;
@@ -29,7 +29,7 @@ static int check_mode(cli_run *run)
 
 static int check_second(cli_run *run)
 {
-    const char *const second = run->options.second;
+    const char *const second = run->options->second;
     int kind, status;
     if (second == NULL) return CLI_DONE;
     if (strcmp(second, "-") == 0) return cli_usage(run, "--second takes a file with a name, not standard input");
@@ -46,18 +46,18 @@ static int check_volume(cli_run *run, bvx_window *window)
                                             "--half-width", "--sign", "--vectors", "--value-type"};
     for (size_t i = 0; i < sizeof of_meshes / sizeof of_meshes[0]; i++)
         if (cli_given(run, of_meshes[i]))
-            return cli_usage(run, "%s is for meshes; %s is a volume", of_meshes[i], cli_input_name(run->options.input[0]));
+            return cli_usage(run, "%s is for meshes; %s is a volume", of_meshes[i], cli_input_name(run->options->input[0]));
     if (cli_check_cloud_options(run, "a volume") != CLI_DONE) return CLI_USAGE;
     return cli_window_option(run, window);
 }
 
 static int check_voxelize_options(cli_run *run, bvx_window *window)
 {
-    const char *const input = run->options.input[0];
+    const char *const input = run->options->input[0];
     int const cloud = cli_input_format(run, input) == BVX_FORMAT_XYZ;
     int kind = 0, status = cloud ? CLI_DONE : cli_input_kind(run, input, &kind);
     if (status == CLI_DONE && kind == CLI_GRID && cli_is_volume(run, input)) return check_volume(run, window);
-    if (status == CLI_DONE) status = cli_check_grid_name(run, run->options.output);
+    if (status == CLI_DONE) status = cli_check_grid_name(run, run->options->output);
     if (status == CLI_DONE) status = cli_refuse_reduction(run, "is for a mesh made of a volume; the result is a grid");
     if (status == CLI_DONE) status = cli_check_lattice(run);
     if (status == CLI_DONE) status = check_mode(run);
@@ -77,7 +77,7 @@ static int check_voxelize_options(cli_run *run, bvx_window *window)
 /* The lattice holds both terrains, and goes down to the base. */
 static int choose_box(cli_run *run, voxel_job *job)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int const based = cli_given(run, "--base"), up = o->up_axis != 0 ? o->up_axis - 1 : 2;
     bvx_lattice unused;
     bvx_status status = BVX_OK;
@@ -105,10 +105,10 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     bvx_status status;
     if (result != CLI_DONE) return result;
     status = job->boxed ? cli_make_box_lattice(run, &job->box, l) : cli_make_lattice(run, &job->view, l);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
     run->report.has_lattice = 1;
-    if (job->window.size[0] == 0 && cli_check_far(run, run->options.input[0], &job->view, 0, l) != CLI_DONE) return CLI_FAILED;
-    return cli_check_grid_format(run, run->options.output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
+    if (job->window.size[0] == 0 && cli_check_far(run, run->options->input[0], &job->view, 0, l) != CLI_DONE) return CLI_FAILED;
+    return cli_check_grid_format(run, run->options->output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
 }
 
 /* ---- voxels ---- */
@@ -117,7 +117,7 @@ static bvx_status make_surface(cli_run *run, voxel_job *job, bvx_surface_report 
 {
     bvx_surface_options s;
     bvx_surface_options_init(&s, sizeof s);
-    s.mode = run->options.mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
+    s.mode = run->options->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
     s.window = job->window;
     s.report = report;
     return bvx_voxelize_surface(run->context, &job->view, &run->report.lattice, &s, &job->grid);
@@ -130,18 +130,18 @@ static bvx_status make_solid_voxels(cli_run *run, voxel_job *job, bvx_solid_repo
     cli_take_fill(run, &v);
     v.report = report;
     v.window = job->window;
-    if (run->options.second != NULL) v.second = &job->second_view;
+    if (run->options->second != NULL) v.second = &job->second_view;
     return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
 }
 
 static void say_surface(cli_run *run, const bvx_surface_report *r)
 {
     cli_text *const t = &run->report.more;
-    const char *const mode = cli_mode_names[run->options.mode];
+    const char *const mode = cli_mode_names[run->options->mode];
     double const mean = r->triangles != 0 ? (double)r->parts / (double)r->triangles : 0.0;
     cli_say(run, "  surface     %s\n", mode);
     cli_text_add(t, ", \"surface\": {\"mode\": \"%s\"", mode);
-    if (run->options.mode == CLI_MODE_SAMPLED) {
+    if (run->options->mode == CLI_MODE_SAMPLED) {
         cli_say(run, "  samples     %" PRIu64 " of %" PRIu64 " triangles, mean subdivision coefficient %.3f\n", r->samples, r->triangles, mean);
         cli_json_count(t, "triangles", r->triangles);
         cli_json_count(t, "samples", r->samples);
@@ -152,7 +152,7 @@ static void say_surface(cli_run *run, const bvx_surface_report *r)
 
 static int voxelize_mesh(cli_run *run, voxel_job *job)
 {
-    int const solid = run->options.mode == CLI_MODE_SOLID;
+    int const solid = run->options->mode == CLI_MODE_SOLID;
     bvx_solid_report report;
     bvx_surface_report surface;
     bvx_fill_comparison fills;
@@ -163,22 +163,22 @@ static int voxelize_mesh(cli_run *run, voxel_job *job)
     cli_stage_begin(run, "voxelize");
     result = choose_lattice(run, job);
     if (result != CLI_DONE) return result;
-    if (run->options.mode == CLI_MODE_FIELD) return cli_voxelize_field(run, &job->view, &job->window);
+    if (run->options->mode == CLI_MODE_FIELD) return cli_voxelize_field(run, &job->view, &job->window);
     status = solid ? make_solid_voxels(run, job, &report) : make_surface(run, job, &surface);
     cli_stage_end(run);
     if (status == BVX_OK && cli_keeps_parts(run)) status = cli_keep_parts(run, &job->grid, &job->grid);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
     bvx_grid_count(run->context, &job->grid, &run->report.set);
     run->report.has_set = 1;
-    result = run->options.compare_fills ? cli_compare_fills(run, &job->view, &run->report.lattice, &fills) : CLI_DONE;
+    result = run->options->compare_fills ? cli_compare_fills(run, &job->view, &run->report.lattice, &fills) : CLI_DONE;
     if (result == CLI_DONE) result = cli_write_grid(run, &job->grid);
     if (result != CLI_DONE) return result;
-    cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
+    cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
     cli_say_grid(run, &job->grid, run->report.set, 1);
     if (solid) {
         cli_say_solid(run, &job->grid.lattice, &report);
         cli_report_solid(run, &job->grid.lattice, &report);
-        if (run->options.compare_fills) cli_tell_fills(run, &fills);
+        if (run->options->compare_fills) cli_tell_fills(run, &fills);
         cli_warn_of_solid(run, &job->grid, &report);
     } else {
         say_surface(run, &surface);
@@ -190,7 +190,7 @@ static int voxelize_mesh(cli_run *run, voxel_job *job)
 
 static int read_meshes(cli_run *run, voxel_job *job)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int status = cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud);
     if (status == CLI_DONE) status = cli_check_cloud(run, job->cloud);
     if (status == CLI_DONE && o->second != NULL) status = cli_read_mesh(run, o->second, &job->second);
@@ -206,8 +206,8 @@ static int run_voxelize(cli_run *run)
     int status;
     memset(&job, 0, sizeof job);
     status = check_voxelize_options(run, &job.window);
-    if (status == CLI_DONE && cli_is_volume(run, run->options.input[0])) return cli_voxelize_volume(run, &job.window);
-    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options.output);
+    if (status == CLI_DONE && cli_is_volume(run, run->options->input[0])) return cli_voxelize_volume(run, &job.window);
+    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
     if (status == CLI_DONE) status = read_meshes(run, &job);
     if (status == CLI_DONE) status = job.cloud ? cli_voxelize_cloud(run, &job.view, &job.window) : voxelize_mesh(run, &job);
     bvx_grid_free(run->context, &job.grid);

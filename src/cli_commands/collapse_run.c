@@ -24,7 +24,7 @@ enum {
 
 int cli_check_collapse(cli_run *run, cli_collapse_run *c)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int const ways = (o->triangles.count != 0) + (o->errors.count != 0) + (o->count != 0);
 
     if (ways > 1)
@@ -39,7 +39,7 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c)
     if (cli_check_mesh_name(run, o->output) != CLI_DONE || cli_check_carry_name(run) != CLI_DONE ||
         cli_check_normals(run) != CLI_DONE)
         return CLI_USAGE;
-    if (cli_given(run, "--colour-weight") && !run->options.carry)
+    if (cli_given(run, "--colour-weight") && !run->options->carry)
         return cli_usage(run, "--colour-weight needs --carry, which gives the levels the colours");
     return cli_check_level_names(run, c->count);
 }
@@ -57,7 +57,7 @@ static int usual_count(uint64_t triangles)
 
 static void choose_targets(const cli_run *run, cli_collapse_run *c)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
 
     for (int i = 0; i < c->count; i++) {
         uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
@@ -72,7 +72,7 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
 static int check_colour_weight(cli_run *run, const bvx_mesh *mesh)
 {
     if (!cli_given(run, "--colour-weight") || mesh->colours != NULL) return CLI_DONE;
-    return cli_usage(run, "%s has no colours that --colour-weight could count", cli_input_name(run->options.input[0]));
+    return cli_usage(run, "%s has no colours that --colour-weight could count", cli_input_name(run->options->input[0]));
 }
 
 int cli_open_collapse(cli_run *run, cli_collapse_run *c)
@@ -81,7 +81,7 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     cli_box box;
     int status = known ? cli_open_levels(run, c->count, c->path) : CLI_DONE;
 
-    if (status == CLI_DONE) status = cli_read_mesh(run, run->options.input[0], &c->input);
+    if (status == CLI_DONE) status = cli_read_mesh(run, run->options->input[0], &c->input);
     if (status == CLI_DONE) status = cli_check_carry(run, &c->input);
     if (status == CLI_DONE) status = check_colour_weight(run, &c->input);
     if (status != CLI_DONE) return status;
@@ -91,7 +91,7 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     c->diagonal = cli_diagonal(box.low, box.high);
     if (c->by_error && !(c->diagonal > 0.0 && c->diagonal - c->diagonal == 0.0))
         return cli_fail(run, "%s: a diagonal of %g leaves nothing to measure --error by",
-                        cli_input_name(run->options.input[0]), c->diagonal);
+                        cli_input_name(run->options->input[0]), c->diagonal);
 
     if (!known) c->count = usual_count(c->input.triangle_count);
     choose_targets(run, c);
@@ -104,7 +104,7 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
 
 static uint64_t wanted_samples(const cli_run *run)
 {
-    return run->options.samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options.samples;
+    return run->options->samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options->samples;
 }
 
 /* A level by its error is measured while it is looked for, so that the distances
@@ -154,7 +154,7 @@ static int carry_level(cli_run *run, cli_collapse_run *c, int i)
 {
     bvx_status status;
 
-    if (!run->options.carry) return CLI_DONE;
+    if (!run->options->carry) return CLI_DONE;
     cli_stage_begin(run, "carry %d", i);
     status = bvx_mesh_carry(run->context, &c->input, &c->mesh[i]);
     cli_stage_end(run);
@@ -277,7 +277,7 @@ int cli_finish_collapse(cli_run *run, cli_collapse_run *c,
     if (status == CLI_DONE) status = cli_write_levels(run, c->mesh, c->count, c->path);
     if (status != CLI_DONE) return status;
 
-    if (run->options.carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
+    if (run->options->carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
     if (strcmp(c->source, "measured") == 0) warn_of_surface(run, c);
     for (int i = 0; i < c->count; i++) warn_of_level(run, c, i);
 

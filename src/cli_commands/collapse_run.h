@@ -3,7 +3,7 @@
 #ifndef BVX_CLI_COLLAPSE_RUN_H
 #define BVX_CLI_COLLAPSE_RUN_H
 
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 typedef struct cli_collapse_run {
     bvx_mesh input;

@@ -1,5 +1,5 @@
 /* fill_table.c - voxelize --compare-fills: what each rule would set, where the rules differ, and what all of them lose. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -38,12 +38,12 @@ int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice
     bvx_compare_fills_options o;
     bvx_status status;
     bvx_compare_fills_options_init(&o, sizeof o);
-    o.close_gaps = run->options.close_gaps;
+    o.close_gaps = run->options->close_gaps;
     memset(comparison, 0, sizeof *comparison);
     cli_stage_begin(run, "compare fills");
     status = bvx_compare_fills(run->context, mesh, lattice, &o, comparison);
     cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 }
 
 void cli_tell_fills(cli_run *run, const bvx_fill_comparison *comparison)

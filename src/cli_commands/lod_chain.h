@@ -2,7 +2,7 @@
 #ifndef BVX_CLI_LOD_CHAIN_H
 #define BVX_CLI_LOD_CHAIN_H
 
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 typedef struct cli_chain {
     int kind;                    /* of the input, CLI_MESH or CLI_GRID */

@@ -28,7 +28,7 @@ static int check_measured_options(cli_run *run)
     static const char *const of_measured[] = {"--resolution",   "--sign",       "--least-part",
                                               "--least-cavity", "--outer-hull", "--sharp",
                                               "--no-sharp",     "--shell",      NULL};
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     const char *const volume = given_of(run, of_volumes), *const measured = given_of(run, of_measured);
 
     if (volume != NULL)
@@ -50,7 +50,7 @@ static int check_measured_options(cli_run *run)
 
 static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_options *b)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
 
     bvx_levels_options_init(b, sizeof *b);
     if (l->run.by_error) b->target_errors = l->run.error;
@@ -82,8 +82,8 @@ static void warn_of_sheets(cli_run *run, const lod_collapse *l)
     const bvx_levels_report *const r = &l->report;
     const double *const a = r->refused_edge[0], *const b = r->refused_edge[1];
 
-    if (run->options.open == BVX_OPEN_SHELL || r->refused_edges == 0) return;
-    if (run->options.open == BVX_OPEN_CUT)
+    if (run->options->open == BVX_OPEN_SHELL || r->refused_edges == 0) return;
+    if (run->options->open == BVX_OPEN_CUT)
         cli_warn(run, "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut",
                  r->refused_edges, r->refused_edges == 1 ? "" : "s", r->refused_edges == 1 ? "was" : "were");
     else
@@ -122,7 +122,7 @@ static int build_levels(cli_run *run, lod_collapse *l)
     cli_stage_begin(run, "level 0");
     status = bvx_build_levels(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 
     c->before = l->report.before;
     c->surface = is_measured(l) ? l->report.repair.after : l->report.before;
@@ -147,7 +147,7 @@ static const char *reason_of(const cli_run *run, const lod_collapse *l)
                                          "since it is a scan much finer than its levels", "since it and its levels cross themselves",
                                          "since the mesh itself exceeds the memory limit"};
 
-    return run->options.source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
+    return run->options->source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
 }
 
 static void say_lod_head(cli_run *run, const cli_collapse_run *c)

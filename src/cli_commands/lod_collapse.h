@@ -2,7 +2,7 @@
 #ifndef BVX_CLI_LOD_COLLAPSE_H
 #define BVX_CLI_LOD_COLLAPSE_H
 
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 /* All of lod by --method collapse; the input is a mesh by its name. */
 int cli_lod_by_collapse(cli_run *run);

@@ -9,7 +9,7 @@
 int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
 {
     int32_t const finest = c->kind == CLI_GRID && c->resolution < 64 ? c->resolution : 64, usual = finest >> level;
-    return run->options.levels.count != 0 ? (int32_t)run->options.levels.value[level] : usual > 0 ? usual : 1;
+    return run->options->levels.count != 0 ? (int32_t)run->options->levels.value[level] : usual > 0 ? usual : 1;
 }
 
 /* ---- the solid ---- */
@@ -19,14 +19,14 @@ static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_
     bvx_lattice_options o;
     bvx_lattice_options_init(&o, sizeof o);
     o.resolution = resolution;
-    o.padding = run->options.padding;
+    o.padding = run->options->padding;
     return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
 }
 
 /* The resolution of the solid: given, or what suits the levels. */
 static int choose_resolution(cli_run *run, cli_chain *c)
 {
-    const cli_options *const options = &run->options;
+    const cli_options *const options = run->options;
     int32_t resolutions[CLI_MAX_LEVELS], limited;
     uint64_t targets[CLI_MAX_LEVELS];
     bvx_lod_options o;
@@ -60,12 +60,12 @@ static int count_solid(cli_run *run, const cli_chain *c)
     if (run->report.set != 0) return CLI_DONE;
     return cli_fail(run, c->kind == CLI_GRID ? "%s: no voxel is set; nothing is there to make levels of"
                                              : "%s: no voxel's centre lies inside the mesh; nothing is left to make levels of",
-                    cli_input_name(run->options.input[0]));
+                    cli_input_name(run->options->input[0]));
 }
 
 static int make_solid(cli_run *run, cli_chain *c)
 {
-    const char *const path = cli_input_name(run->options.input[0]);
+    const char *const path = cli_input_name(run->options->input[0]);
     bvx_voxelize_options v;
     bvx_status status;
     int result;
@@ -92,7 +92,7 @@ static int make_solid(cli_run *run, cli_chain *c)
 
 static int open_mesh(cli_run *run, cli_chain *c)
 {
-    int const status = cli_read_mesh(run, run->options.input[0], &c->input);
+    int const status = cli_read_mesh(run, run->options->input[0], &c->input);
     if (status != CLI_DONE) return status;
     if (cli_check_carry(run, &c->input) != CLI_DONE) return CLI_USAGE;
     c->input_triangles = c->input.triangle_count;
@@ -108,7 +108,7 @@ static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
     bvx_status status;
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
-    if (run->options.samples == 0)
+    if (run->options->samples == 0)
         return bvx_extract_count(run->context, &c->solid, &e, &vertices, &c->input_triangles);
     status = bvx_extract_surface(run->context, &c->solid, &e, &c->input);
     c->input_triangles = c->input.triangle_count;
@@ -117,7 +117,7 @@ static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
 
 static int open_grid(cli_run *run, cli_chain *c)
 {
-    const char *const path = run->options.input[0];
+    const char *const path = run->options->input[0];
     double low[3], high[3];
     int placed, result = cli_read_grid(run, path, NULL, &c->solid, &placed);
     bvx_status status;

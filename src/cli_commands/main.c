@@ -6,26 +6,19 @@
 #define MAIN_POSIX 0
 #endif
 
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <stdio.h>
 #include <string.h>
 #if MAIN_POSIX
 #include <fcntl.h>
-#include <poll.h>
-#include <signal.h>
 #include <unistd.h>
 #endif
 
 static const cli_command *const commands[] = {&cli_lod, &cli_simplify, &cli_info, &cli_voxelize, &cli_repair, &cli_fill, &cli_morph, &cli_components, &cli_refine, &cli_sections,
-                                             &cli_slice, &cli_boolean, &cli_faces, &cli_convert, &cli_compare, &cli_render};
+                                             &cli_slice, &cli_boolean, &cli_faces, &cli_convert, &cli_compare, &cli_render, NULL};
 
-enum { COMMANDS = sizeof commands / sizeof commands[0] };
-
-const cli_command *cli_command_at(int i)
-{
-    return i >= 0 && i < COMMANDS ? commands[i] : NULL;
-}
+enum { COMMANDS = sizeof commands / sizeof commands[0] - 1 };
 
 static const char *next_command(const void *user, int i)
 {
@@ -38,26 +31,6 @@ static const cli_command *find_command(const char *name)
     for (int i = 0; i < COMMANDS; i++)
         if (strcmp(commands[i]->name, name) == 0) return commands[i];
     return NULL;
-}
-
-/* A reader that has seen enough, as head has, is not a failure: the program ends as others do, by the signal and without a
- * word. All files are written by now. */
-static void end_without_reader(void)
-{
-#if MAIN_POSIX
-    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
-
-    if (poll(&out, 1, 0) != 1 || (out.revents & POLLERR) == 0) return;
-    signal(SIGPIPE, SIG_DFL);
-    raise(SIGPIPE);
-#endif
-}
-
-static int end_of_output(cli_run *run)
-{
-    if (fflush(stdout) == 0 && !ferror(stdout)) return CLI_DONE;
-    end_without_reader();
-    return cli_fail(run, "standard output cannot be written");
 }
 
 /* ---- help ---- */
@@ -95,60 +68,36 @@ static int help(cli_run *run, int count, char **word)
 {
     if (count > 1) return cli_usage(run, "'%s' is one word too many; help takes one command", word[1]);
     if (count == 0) print_overview(stdout);
-    else if (strcmp(word[0], "--man") == 0) cli_print_manual();
-    else if (strcmp(word[0], "--bash-completion") == 0) cli_print_completion();
+    else if (strcmp(word[0], "--man") == 0) cli_print_manual(commands);
+    else if (strcmp(word[0], "--bash-completion") == 0) cli_print_completion(commands);
     else if (find_command(word[0]) != NULL) print_help(find_command(word[0]));
     else return refuse_command(run, word[0]);
-    return end_of_output(run);
+    return cli_end_of_output(run);
 }
 
 static int print_version(cli_run *run)
 {
     int32_t const v = bvx_version();
     printf("bitvox %d.%d.%d\n", (int)(v / 10000), (int)(v / 100 % 100), (int)(v % 100));
-    return end_of_output(run);
+    return cli_end_of_output(run);
 }
 
 /* ---- running ---- */
 
-int cli_make_context(cli_run *run, uint64_t file_bytes)
-{
-    uint64_t const memory = run->options.memory_limit != 0 ? run->options.memory_limit : cli_memory_there();
-    bvx_context_options o;
-    bvx_status status;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = run->options.threads;
-    cli_blocks_offer(&o);
-    o.progress = cli_progress;
-    o.progress_user = run;
-    if (memory != 0) o.memory_limit = memory > file_bytes ? memory - file_bytes : 1;
-    run->context_limit = run->options.memory_limit != 0 ? o.memory_limit : 0; /* choices do not depend on the machine */
-    status = bvx_context_create(&o, &run->context);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, NULL);
-}
-
-/* The last words: the report of --json, or what is left of the text. */
-int cli_end_of_run(cli_run *run, int status)
-{
-    if (!run->options.json || cli_report_print(run, status)) return status == CLI_DONE ? end_of_output(run) : status;
-
-    if (status != CLI_DONE) return status;
-    end_without_reader();
-    return cli_fail(run, "standard output cannot be written");
-}
-
 static int run_command(cli_run *run, int count, char **word)
 {
+    static const cli_leaving leaving = {cli_remove_temporaries, cli_interrupt_text, cli_report_text};
     int status = cli_parse(run, count, word);
-    if (status == CLI_DONE && run->options.help) {
+    if (status == CLI_DONE && run->general->help) {
         print_help(run->command);
-        return end_of_output(run);
+        return cli_end_of_output(run);
     }
+    if (status == CLI_DONE) status = cli_check_line(run);
     if (status == CLI_DONE) {
         run->start = cli_seconds();
         run->progress.row = -1;
-        cli_watch_run(run);
-        if (run->options.output_dir != NULL) return cli_run_batch(run);
+        cli_watch_run(run, &leaving);
+        if (run->options->output_dir != NULL) return cli_run_batch(run);
         status = run->command->run(run);
         cli_progress_end(run, status);
         cli_note_peak(run, 0);
@@ -185,19 +134,24 @@ static int run_words(cli_run *run, int count, char **word)
     if (strcmp(word[0], "--help") == 0 || strcmp(word[0], "-h") == 0) return help(run, 0, NULL);
     if (strcmp(word[0], "--version") == 0) return print_version(run);
     run->command = find_command(word[0]);
+    run->name = run->command != NULL ? run->command->name : NULL;
     if (run->command != NULL) return run_command(run, count - 1, word + 1);
-    run->options.json = is_asked_for("--json", count, word);
+    run->options->general.json = is_asked_for("--json", count, word);
     return cli_end_of_run(run, refuse_command(run, word[0]));
 }
 
 int main(int count, char **word)
 {
     static cli_run run; /* zeroed, and too large for some stacks */
+    static cli_options options;
     int status;
+    run.options = &options;
+    run.general = &options.general;
+    run.plan_stage = cli_plan_stage;
     hold_standard_streams();
     cli_watch_start();
-    run.options.samples = -1;
-    run.options.fill = BVX_FILL_AUTO;
+    options.samples = -1;
+    options.fill = BVX_FILL_AUTO;
     status = run_words(&run, count - 1, word + 1);
     cli_watch_end(status);
     return status;

@@ -1,18 +1,13 @@
 /* reduce_mesh.c - --triangles and --error of the commands that make one mesh: its edges collapse once it is made.
  *
  * --error is the distance from the mesh as it was made, not from what it was made of. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 
-int cli_reduces(const cli_run *run)
-{
-    return run->options.triangles.count != 0 || run->options.errors.count != 0;
-}
-
 int cli_check_reduction(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
 
     if (o->triangles.count != 0 && o->errors.count != 0)
         return cli_usage(run, "--triangles and --error exclude each other");
@@ -32,7 +27,7 @@ int cli_refuse_reduction(cli_run *run, const char *why)
 
 int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     uint64_t const target = o->triangles.count != 0 ? (uint64_t)o->triangles.value[0] : 0;
     double error = o->errors.value[0];
     bvx_mesh less = {0};
@@ -57,7 +52,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     cli_stage_begin(run, "simplify");
     status = bvx_mesh_simplify(run->context, &view, &s, 1, &less);
     cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options.output);
+    if (status != BVX_OK) return cli_fail_status(run, status, run->options->output);
 
     bvx_mesh_free(run->context, mesh);
     *mesh = less;
@@ -66,7 +61,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
         cli_warn(run,
                  "%s has %" PRIu64 " triangles, not %" PRIu64
                  ": these are the fewest that collapsing edges leaves sound",
-                 run->options.output, r->level.triangles, target);
+                 run->options->output, r->level.triangles, target);
     return CLI_DONE;
 }
 

@@ -42,7 +42,7 @@ static int voxelize_input(cli_run *run, const bvx_lattice *lattice, cli_input *i
 
 static int voxelize_scene(cli_run *run, cli_scene *s, int count)
 {
-    int32_t const resolution = run->options.voxels != 0 ? run->options.voxels : COMPARED_RESOLUTION;
+    int32_t const resolution = run->options->voxels != 0 ? run->options->voxels : COMPARED_RESOLUTION;
     bvx_lattice lattice;
     int status = CLI_DONE;
     cli_stage_begin(run, "voxelize");
@@ -57,7 +57,7 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
 
 int cli_open_scene(cli_run *run, int first, cli_scene *s)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int const count = o->difference ? 2 : 1;
     int status = CLI_DONE;
     memset(s, 0, sizeof *s);
@@ -126,7 +126,7 @@ static void box_of_scene(const cli_options *o, const cli_scene *s, double low[3]
 
 void cli_turntable_room(cli_run *run, const cli_scene *s, double show[2])
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     double low[3], high[3], middle[3], direction[3], up[3], turned[3];
     box_of_scene(o, s, low, high, middle);
     cli_scene_view(o, direction, up);
@@ -138,7 +138,7 @@ void cli_turntable_room(cli_run *run, const cli_scene *s, double show[2])
 int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t height, const double direction[3],
                    const double show[2], bvx_image *image)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     bvx_render_options r;
     bvx_mesh_view view;
     bvx_status status;

@@ -2,7 +2,7 @@
 #ifndef BVX_CLI_RENDER_SCENE_H
 #define BVX_CLI_RENDER_SCENE_H
 
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 typedef struct cli_scene {
     cli_input input[2];             /* one, or the two that are compared */

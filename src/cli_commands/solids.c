@@ -1,5 +1,5 @@
 /* solids.c - the rules that fill a mesh: their options, and what is told of a solid. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -9,7 +9,7 @@
 int cli_check_fill(cli_run *run)
 {
     static const char *const below_alone[] = {"--base", "--second", "--up"};
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int const below = o->fill == BVX_FILL_BELOW, voxelize = run->command->bit == CLI_VOXELIZE;
     for (size_t i = 0; i < sizeof below_alone / sizeof below_alone[0] && voxelize && !below; i++)
         if (cli_given(run, below_alone[i])) return cli_usage(run, "%s needs --fill below", below_alone[i]);
@@ -35,7 +35,7 @@ int cli_refuse_for_grid(cli_run *run, const char *path)
 
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     v->fill = o->fill;
     v->close_gaps = o->fill == BVX_FILL_FLOOD ? o->close_gaps : 0;
     v->add_shell = o->add_shell;
@@ -160,7 +160,7 @@ static double voxel_volume(const bvx_lattice *l)
 
 void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *r)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     double const voxel = voxel_volume(lattice);
     cli_say_fill(run, r);
     if (r->surface_voxels != 0) cli_say(run, "  surface     %" PRIu64 " voxels", r->surface_voxels);
@@ -181,7 +181,7 @@ void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_rep
 
 void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *r)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     cli_text *const t = &run->report.more;
     double const voxel = voxel_volume(lattice);
     cli_text_add(t, ", \"solid\": {\"fill\": \"%s\", \"reason\": \"%s\"", cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);

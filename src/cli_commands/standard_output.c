@@ -8,7 +8,7 @@
 #define STANDARD_POSIX 0
 #endif
 
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -33,15 +33,15 @@ static int is_terminal(void)
 /* A command that writes what it reads: .bvx where all inputs are voxels. */
 static int32_t format_of_inputs(const cli_run *run, int first)
 {
-    for (int i = first; i < run->options.inputs; i++)
-        if (cli_kind_of_format(cli_input_format(run, run->options.input[i])) == CLI_MESH) return BVX_FORMAT_PLY;
+    for (int i = first; i < run->options->inputs; i++)
+        if (cli_kind_of_format(cli_input_format(run, run->options->input[i])) == CLI_MESH) return BVX_FORMAT_PLY;
     return BVX_FORMAT_BVX;
 }
 
 /* What the command writes where nothing is said. */
 static int32_t usual_format(const cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
 
     switch (run->command->bit) {
     case CLI_RENDER: return BVX_FORMAT_PNG;
@@ -60,7 +60,7 @@ static int32_t usual_format(const cli_run *run)
 /* --format is also that of standard input: then it counts here only where the output is of the same kind. */
 static int32_t chosen_format(const cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int32_t const usual = usual_format(run);
     int reads = 0;
 
@@ -77,15 +77,10 @@ int cli_take_standard_output(cli_run *run)
     if (is_terminal())
         return cli_usage(run, "standard output is a terminal, which cannot show a .%s file; send it to a file or a pipe", known);
     snprintf(run->standard_name, sizeof run->standard_name, "standard output.%s", known);
-    run->options.output = run->standard_name;
+    run->options->output = run->standard_name;
     run->standard_taken = 1;
 #if defined(_WIN32)
     _setmode(_fileno(stdout), _O_BINARY);
 #endif
     return CLI_DONE;
-}
-
-int cli_is_standard_output(const cli_run *run, const char *path)
-{
-    return run->standard_name[0] != 0 && strcmp(path, run->standard_name) == 0;
 }

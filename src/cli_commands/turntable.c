@@ -2,7 +2,7 @@
  *
  * A frame's angle is a whole fraction of a turn. Whole quarters are taken off in integers; what is left, at most an
  * eighth of a turn, goes into the series of sine and cosine, in which only + - * / stand. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <math.h>
 

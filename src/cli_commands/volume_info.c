@@ -1,5 +1,5 @@
 /* volume_info.c - what a scalar volume holds: type, range and a histogram, to choose --level or --range by. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <math.h>

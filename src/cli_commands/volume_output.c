@@ -1,5 +1,5 @@
 /* volume_output.c - voxelize of a volume: to a grid, to the surface of a level, or to a surface for each label. */
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@ typedef struct volume_job {
 
 static int check_volume_output(cli_run *run, int *kind)
 {
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
     int const has_number = cli_has_number(out);
     *kind = cli_kind_of_format(bvx_format_of_name(out));
     if (*kind == 0)
@@ -23,9 +23,9 @@ static int check_volume_output(cli_run *run, int *kind)
                          "format (" CLI_MESHES_WRITTEN ")", out);
     if (*kind == CLI_GRID && cli_refuse_reduction(run, "is for a mesh; the result is a grid") != CLI_DONE) return CLI_USAGE;
     if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
-    if (run->options.all_labels && (*kind != CLI_MESH || !has_number))
+    if (run->options->all_labels && (*kind != CLI_MESH || !has_number))
         return cli_usage(run, "--all-labels writes a mesh for each label: %s needs %%d in the name of a mesh", out);
-    if (!run->options.all_labels && has_number) return cli_usage(run, "%s: %%d is for --all-labels", out);
+    if (!run->options->all_labels && has_number) return cli_usage(run, "%s: %%d is for --all-labels", out);
     if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
     return CLI_DONE;
 }
@@ -33,7 +33,7 @@ static int check_volume_output(cli_run *run, int *kind)
 static void say_volume(cli_run *run, const volume_job *j)
 {
     const bvx_volume_report *const r = &j->report;
-    cli_say(run, "%s -> %s\n  samples     %.9g to %.9g", cli_input_name(run->options.input[0]), run->options.output, r->least, r->greatest);
+    cli_say(run, "%s -> %s\n  samples     %.9g to %.9g", cli_input_name(run->options->input[0]), run->options->output, r->least, r->greatest);
     if (r->nan + r->infinite != 0) cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", r->nan, r->infinite);
     cli_say(run, "\n");
 }
@@ -100,10 +100,10 @@ static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_gri
 
 static int make_volume_grid(cli_run *run, volume_job *j)
 {
-    const char *const in = cli_input_name(run->options.input[0]);
+    const char *const in = cli_input_name(run->options->input[0]);
     bvx_grid grid = {0};
     bvx_status status;
-    int result = cli_check_grid_format(run, run->options.output, &j->volume.view.lattice, j->volume.view.size);
+    int result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice, j->volume.view.size);
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "threshold");
     status = cli_select_voxels(run, &j->volume, &j->report, &grid);
@@ -129,8 +129,8 @@ static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_
     bvx_scalar_options o;
     bvx_scalar_options_init(&o, sizeof o);
     o.position_type = BVX_POSITION_AUTO;
-    o.level = run->options.level;
-    o.below = run->options.below;
+    o.level = run->options->level;
+    o.below = run->options->below;
     o.report = &j->report;
     return bvx_extract_scalar(run->context, view, &o, mesh);
 }
@@ -195,7 +195,7 @@ static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status,
 
 static int make_volume_mesh(cli_run *run, volume_job *j)
 {
-    const char *const in = cli_input_name(run->options.input[0]);
+    const char *const in = cli_input_name(run->options->input[0]);
     cli_reduction reduction = {0};
     bvx_mesh mesh = {0};
     bvx_grid grid = {0};
@@ -219,7 +219,7 @@ static int make_volume_mesh(cli_run *run, volume_job *j)
         return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in, run->report.parts.dropped);
     if (mesh.triangle_count == 0)
         return cli_fail(run, "%s: no sample is in the range (they go from %.9g to %.9g); there is no surface", in, j->report.least, j->report.greatest);
-    result = put_mesh(run, &mesh, 0, run->options.output, &reduction);
+    result = put_mesh(run, &mesh, 0, run->options->output, &reduction);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     bvx_mesh_free(run->context, &mesh);
     if (result != CLI_DONE) return result;
@@ -236,7 +236,7 @@ static int make_volume_mesh(cli_run *run, volume_job *j)
 
 static int list_labels(cli_run *run, volume_job *j)
 {
-    const char *const in = cli_input_name(run->options.input[0]);
+    const char *const in = cli_input_name(run->options->input[0]);
     uint64_t count = 0;
     bvx_status status;
     cli_stage_begin(run, "labels");
@@ -278,7 +278,7 @@ static void label_view(const volume_job *j, const bvx_label *l, bvx_volume_view 
 static int make_label_mesh(cli_run *run, volume_job *j, int n)
 {
     double const value = (double)j->labels[n].value;
-    char *const path = cli_numbered_path(run->options.output, j->labels[n].value); /* the report keeps it */
+    char *const path = cli_numbered_path(run->options->output, j->labels[n].value); /* the report keeps it */
     cli_reduction reduction = {0};
     bvx_mesh mesh = {0};
     bvx_grid grid = {0};
@@ -288,7 +288,7 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
     int result;
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
     if (value > 9007199254740992.0 || value < -9007199254740992.0)
-        return cli_fail(run, "%s: labels beyond 2^53 are not written", cli_input_name(run->options.input[0]));
+        return cli_fail(run, "%s: labels beyond 2^53 are not written", cli_input_name(run->options->input[0]));
     result = cli_open_output(run, path);
     if (result != CLI_DONE) return result;
     label_view(j, &j->labels[n], &view);
@@ -327,7 +327,7 @@ static int make_label_meshes(cli_run *run, volume_job *j)
     if (status != CLI_DONE) return status;
     note_set(run, j);
     tell_labels(run, j);
-    cli_say(run, "%s: %" PRIu64 " labels\n", cli_input_name(run->options.input[0]), j->label_count);
+    cli_say(run, "%s: %" PRIu64 " labels\n", cli_input_name(run->options->input[0]), j->label_count);
     cli_say_parts(run);
     for (uint64_t i = 0; i < j->label_count; i++) say_mesh(run, (int)i);
     return CLI_DONE;
@@ -338,12 +338,12 @@ int cli_voxelize_volume(cli_run *run, const bvx_window *window)
     static volume_job j;
     int kind, status = check_volume_output(run, &kind);
     memset(&j, 0, sizeof j);
-    if (status == CLI_DONE) status = cli_check_selection(run, run->options.input[0]);
-    if (status == CLI_DONE && kind == CLI_GRID) status = cli_open_grid_output(run, run->options.output);
-    if (status == CLI_DONE && kind == CLI_MESH && !run->options.all_labels) status = cli_open_output(run, run->options.output);
-    if (status == CLI_DONE) status = cli_read_volume(run, run->options.input[0], window, &j.volume);
+    if (status == CLI_DONE) status = cli_check_selection(run, run->options->input[0]);
+    if (status == CLI_DONE && kind == CLI_GRID) status = cli_open_grid_output(run, run->options->output);
+    if (status == CLI_DONE && kind == CLI_MESH && !run->options->all_labels) status = cli_open_output(run, run->options->output);
+    if (status == CLI_DONE) status = cli_read_volume(run, run->options->input[0], window, &j.volume);
     if (status == CLI_DONE)
-        status = kind == CLI_GRID ? make_volume_grid(run, &j) : run->options.all_labels ? make_label_meshes(run, &j) : make_volume_mesh(run, &j);
+        status = kind == CLI_GRID ? make_volume_grid(run, &j) : run->options->all_labels ? make_label_meshes(run, &j) : make_volume_mesh(run, &j);
     free(j.labels);
     if (run->context != NULL) cli_free_volume(run, &j.volume);
     return status;

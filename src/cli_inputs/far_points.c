@@ -3,7 +3,7 @@
  * With --spacing a lattice is as large as the box. Where it is large, and mostly for the sake of a few points that lie many times
  * as far from the others as these lie from each other, the command refuses it and names them. The others are looked for among some
  * thousand points: between the places that a twentieth of them lies below and above. */
-#include "cli_shell/cli.h"
+#include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -9,7 +9,7 @@
 #define FILES_POSIX 0
 #endif
 
-#include "cli_shell/cli.h"
+#include "cli_inputs/inputs.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -18,9 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 #if FILES_POSIX
-#include <sys/resource.h>
 #include <sys/stat.h>
-#include <unistd.h>
 #elif defined(_WIN32)
 #include <fcntl.h>
 #include <io.h>
@@ -35,41 +33,18 @@ enum { FILES_CHUNK = 1 << 20 };
 
 /* ---- room ---- */
 
-uint64_t cli_memory_there(void)
-{
-    uint64_t memory = UINT64_MAX;
-#if FILES_POSIX
-    static const char *const container[2] = {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}; /* a number, or "max" */
-    struct rlimit space;
-#if defined(_SC_PHYS_PAGES)
-    long const pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    if (pages > 0 && page > 0) memory = (uint64_t)pages * (uint64_t)page;
-#endif
-    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY && space.rlim_cur < memory)
-        memory = (uint64_t)space.rlim_cur;
-    for (int i = 0; i < 2; i++) {
-        uint64_t most;
-        FILE *const file = fopen(container[i], "r");
-        if (file == NULL) continue;
-        if (fscanf(file, "%" SCNu64, &most) == 1 && most < memory) memory = most;
-        fclose(file);
-    }
-#endif
-    return memory != UINT64_MAX ? memory : 0;
-}
-
 /* Half of what there is: what is made of a file takes as much again. */
 static uint64_t bytes_ceiling(const cli_run *run)
 {
     uint64_t const there = cli_memory_there(), memory = there != 0 ? there : FILES_MACHINE;
-    if (run->options.memory_limit != 0) return run->options.memory_limit;
+    if (run->general->memory_limit != 0) return run->general->memory_limit;
     return memory / 2 < SIZE_MAX ? memory / 2 : SIZE_MAX;
 }
 
 /* more: the bytes that do not fit, in words; limit: what others left of the ceiling. */
 static int fail_ceiling(cli_run *run, const char *path, const char *more, uint64_t limit)
 {
-    if (run->options.memory_limit != 0)
+    if (run->general->memory_limit != 0)
         return cli_fail(run, "%s: %s the %" PRIu64 " bytes that --memory-limit leaves for it", cli_input_name(path), more, limit);
     return cli_fail(run, "%s: %s %" PRIu64 " bytes, %shalf of the memory there is; --memory-limit sets another limit",
                     cli_input_name(path), more, limit, limit < bytes_ceiling(run) ? "what is left of " : "");
@@ -249,16 +224,6 @@ static int is_gzip(const char *path, const cli_bytes *b)
 }
 
 /* ---- inputs ---- */
-
-const char *cli_input_name(const char *path)
-{
-    return strcmp(path, "-") == 0 ? "standard input" : path;
-}
-
-int32_t cli_input_format(const cli_run *run, const char *path)
-{
-    return strcmp(path, "-") == 0 ? run->options.format : bvx_format_of_name(path);
-}
 
 int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
 {

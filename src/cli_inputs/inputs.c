@@ -1,10 +1,6 @@
-/* inputs.c - any input by its ending: a mesh or a grid, and the side-car that tells a grid's place.
- *
- * .npy and .vox hold voxels alone. Where their lattice lies stands in a side-car beside them, FILE.npy.json; without one
- * the voxels start at 0 and have sides of 1. A side-car that is damaged or belongs to a grid of another size is an error. */
-#include "cli_shell/cli.h"
+/* inputs.c - any input by its ending: a mesh, a grid or an octree. */
+#include "cli_inputs/inputs.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,44 +9,6 @@
 enum { READS_PARTS = CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT }; /* components chooses by itself */
 
 #define INPUT_ENDINGS CLI_MESHES_READ ", or " CLI_GRIDS " .nhdr .raw, also with .gz"
-
-int cli_kind_of_format(int32_t format)
-{
-    if (format < 0 || format > 30) return 0;
-    return (BVX_MESHES_WRITTEN >> format & 1) != 0 ? CLI_MESH : (BVX_GRIDS_READ >> format & 1) != 0 ? CLI_GRID : 0;
-}
-
-int cli_is_packed(const char *path)
-{
-    size_t const n = strlen(path);
-    return n > 3 && strcmp(path + n - 3, ".gz") == 0;
-}
-
-const char *cli_format_name(int32_t format)
-{
-    switch (format) {
-#define FORMAT_NAME(name, value, text) case name: return text;
-        BVX_FORMAT_LIST(FORMAT_NAME)
-#undef FORMAT_NAME
-    default: return "unknown";
-    }
-}
-
-int cli_needs_sidecar(int32_t format)
-{
-    return format == BVX_FORMAT_NPY || format == BVX_FORMAT_VOX;
-}
-
-char *cli_sidecar_name(const char *path)
-{
-    size_t const n = strlen(path) - (cli_is_packed(path) ? 3 : 0);
-    char *const name = malloc(n + 6);
-    if (name != NULL) {
-        memcpy(name, path, n);
-        memcpy(name + n, ".json", 6);
-    }
-    return name;
-}
 
 int cli_input_kind(cli_run *run, const char *path, int *kind)
 {
@@ -64,55 +22,6 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
 }
 
 /* ---- grids ---- */
-
-/* A grid as large as the whole file, since a side-car tells of all of it; its words are not looked at. */
-static void stand_for_file(const bvx_grid *part, bvx_grid *whole)
-{
-    *whole = *part;
-    memset(whole->low, 0, sizeof whole->low);
-    memcpy(whole->size, part->lattice.dims, sizeof whole->size);
-    whole->words_per_row = (whole->size[0] - 1) / 64 + 1;
-    whole->word_capacity = UINT64_MAX;
-    if (whole->words == NULL) whole->words = &whole->word_capacity; /* a volume has none */
-}
-
-/* The part that was read gets its place on the side-car's lattice. */
-static bvx_status take_lattice(cli_run *run, const cli_bytes *b, bvx_grid *grid)
-{
-    bvx_grid whole;
-    bvx_status status;
-    stand_for_file(grid, &whole);
-    status = bvx_read_lattice(run->context, b->bytes, b->size, &whole);
-    if (status != BVX_OK) return status;
-    grid->lattice = whole.lattice;
-    for (int a = 0; a < 3; a++) grid->low[a] += whole.low[a];
-    return BVX_OK;
-}
-
-int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed)
-{
-    char *const name = strcmp(path, "-") == 0 ? NULL : cli_sidecar_name(path);
-    cli_bytes b = {NULL, 0, 0, 0};
-    FILE *file;
-    int status = CLI_DONE;
-    *placed = 0;
-    if (name == NULL) return strcmp(path, "-") == 0 ? CLI_DONE : cli_fail(run, "no memory for a file's name");
-    file = fopen(name, "rb");
-    if (file != NULL) {
-        fclose(file);
-        status = cli_read_file(run, name, &b);
-        if (status == CLI_DONE) {
-            bvx_status const read = take_lattice(run, &b, grid);
-            if (read != BVX_OK) status = cli_fail_status(run, read, name);
-            else *placed = 1;
-        }
-        free(b.bytes);
-    } else if (errno != ENOENT) {
-        status = cli_fail(run, "%s: %s", name, strerror(errno));
-    }
-    free(name);
-    return status;
-}
 
 /* A tree's fourth byte differs from a grid's. */
 static int holds_tree(int32_t format, const cli_bytes *b)
@@ -208,7 +117,7 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
 
 int cli_window_option(cli_run *run, bvx_window *window)
 {
-    const cli_list *const l = &run->options.window;
+    const cli_list *const l = &run->options->window;
     memset(window, 0, sizeof *window);
     for (int a = 0; a < 3 && l->count != 0; a++) {
         if (l->value[a] >= l->value[a + 3])

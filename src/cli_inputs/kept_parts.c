@@ -1,5 +1,5 @@
 /* kept_parts.c - --keep-largest and --least-part: which parts of voxels stay, wherever a grid is made or read. */
-#include "cli_shell/cli.h"
+#include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -7,22 +7,22 @@
 static uint64_t least_part_of(const cli_run *run)
 {
     /* --least-part of lod is of measured surfaces. */
-    return run->command->bit != CLI_LOD && run->options.least_part > 0 ? (uint64_t)run->options.least_part : 0;
+    return run->command->bit != CLI_LOD && run->options->least_part > 0 ? (uint64_t)run->options->least_part : 0;
 }
 
 int cli_keeps_parts(const cli_run *run)
 {
-    return run->options.keep_largest != 0 || least_part_of(run) != 0;
+    return run->options->keep_largest != 0 || least_part_of(run) != 0;
 }
 
 int cli_check_parts(cli_run *run)
 {
-    const char *const name = run->options.keep_largest != 0 ? "--keep-largest" : "--least-part";
+    const char *const name = run->options->keep_largest != 0 ? "--keep-largest" : "--least-part";
 
     if (!cli_keeps_parts(run) || (run->command->bit & (CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0) return CLI_DONE;
-    for (int i = 0; i < run->options.inputs; i++)
-        if (cli_kind_of_format(cli_input_format(run, run->options.input[i])) == CLI_MESH)
-            return cli_usage(run, "%s is for grids and volumes; %s is a mesh", name, cli_input_name(run->options.input[i]));
+    for (int i = 0; i < run->options->inputs; i++)
+        if (cli_kind_of_format(cli_input_format(run, run->options->input[i])) == CLI_MESH)
+            return cli_usage(run, "%s is for grids and volumes; %s is a mesh", name, cli_input_name(run->options->input[i]));
     return CLI_DONE;
 }
 
@@ -34,7 +34,7 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
     bvx_status status;
 
     bvx_keep_options_init(&o, sizeof o);
-    o.largest = (uint64_t)run->options.keep_largest;
+    o.largest = (uint64_t)run->options->keep_largest;
     o.at_least = least_part_of(run);
     o.report = &report;
     if (own) cli_stage_begin(run, "keep");
@@ -56,16 +56,4 @@ void cli_say_parts(cli_run *run)
 
     if (!run->report.has_parts) return;
     cli_say(run, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n", p->kept, p->kept + p->dropped, p->voxels_dropped);
-}
-
-void cli_report_parts(const cli_report *report, cli_text *t)
-{
-    const bvx_keep_report *const p = &report->parts;
-
-    if (!report->has_parts) return;
-    cli_text_add(t, ", \"parts\": {\"kept\": %" PRIu64, p->kept);
-    cli_json_count(t, "dropped", p->dropped);
-    cli_json_count(t, "voxels_kept", p->voxels_kept);
-    cli_json_count(t, "voxels_dropped", p->voxels_dropped);
-    cli_text_add(t, "}");
 }

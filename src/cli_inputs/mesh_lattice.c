@@ -1,5 +1,5 @@
 /* mesh_lattice.c - where the voxels of a mesh lie: --resolution, --spacing, --origin, --padding. */
-#include "cli_shell/cli.h"
+#include "cli_inputs/inputs.h"
 
 #include <math.h>
 #include <string.h>
@@ -8,7 +8,7 @@ enum { LATTICE_RESOLUTION = 256 };
 
 int cli_check_lattice(cli_run *run)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     if (o->resolution.count != 0 && o->spacing != 0.0) return cli_usage(run, "--resolution and --spacing exclude each other");
     if (o->origin.given && o->spacing == 0.0) return cli_usage(run, "--origin needs --spacing");
     if (o->origin.given && o->padding != 0) return cli_usage(run, "--origin and --padding exclude each other");
@@ -57,7 +57,7 @@ static bvx_status fit_to(cli_run *run, const fit_target *target, const bvx_latti
 /* From a given corner up to the mesh's high end. */
 static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bvx_lattice *lattice)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     bvx_lattice_options fit;
     double spacing[3] = {o->spacing, o->spacing, o->spacing};
     int32_t dims[3];
@@ -76,7 +76,7 @@ static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bv
 
 static bvx_status make_lattice(cli_run *run, const fit_target *target, bvx_lattice *lattice)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     bvx_lattice_options fit;
     if (o->origin.given) return lattice_from_origin(run, target, lattice);
     bvx_lattice_options_init(&fit, sizeof fit);
@@ -108,4 +108,15 @@ bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_l
     fit_target const target = {.points = view};
 
     return make_lattice(run, &target, lattice);
+}
+
+double cli_diagonal(const double low[3], const double high[3])
+{
+    double longest = 0.0, sum = 0.0;
+    for (int a = 0; a < 3; a++) longest = high[a] - low[a] > longest ? high[a] - low[a] : longest;
+    for (int a = 0; a < 3 && longest > 0.0; a++) { /* squares of large sides would be infinite */
+        double const side = (high[a] - low[a]) / longest;
+        sum += side * side;
+    }
+    return longest * sqrt(sum);
 }

@@ -1,7 +1,7 @@
 /* volume_input.c - scalar volumes by their files, and the voxels that --level, --range and --label choose of them.
  *
  * The samples stay in the file's bytes where they can. The data files of a detached head are looked for beside it. */
-#include "cli_shell/cli.h"
+#include "cli_inputs/inputs.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -62,7 +62,7 @@ static int refuse_for_input(cli_run *run, const char *option, const char *path)
 int cli_check_volume_options(cli_run *run)
 {
     const char *const *const lists[2] = {of_volumes, of_raw};
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     const char *given = NULL;
     int volumes = 0, raw = 0;
 
@@ -219,7 +219,7 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
 
 static void take_raw_options(const cli_run *run, bvx_read_volume_options *o)
 {
-    const cli_options *const given = &run->options;
+    const cli_options *const given = run->options;
     o->sample_type = given->sample_type;
     o->big_endian = given->big_endian;
     o->offset = (uint64_t)given->skip;
@@ -337,7 +337,7 @@ static bvx_status select_other_than_zero(cli_run *run, const cli_volume *v, bvx_
 
 bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_report *report, bvx_grid *grid)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     double const label = (double)o->value_label;
     if (o->range.given) return bvx_threshold(run->context, &v->view, o->range.value[0], o->range.value[1], report, grid);
     if (!cli_selects(run)) return select_other_than_zero(run, v, report, grid);

@@ -4,7 +4,7 @@
  * bytes of each - and the packed blocks; as base64 the head is one text and the blocks together are another. What stands here
  * afterwards has all arrays appended as they are, their tags with the new offsets. Other packers are left to the reader, which refuses
  * them. Guarantee: what a head says is held against the file's bytes, and against the memory allowed, before anything is made. */
-#include "cli_shell/cli.h"
+#include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* field_output.c - distances from the centres of voxels as one file or two; voxelize --mode field. */
-#include "cli_shell/cli.h"
+#include "cli_results/results.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -10,13 +10,13 @@ enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 65536 };
 static double half_width_of(const cli_run *run)
 {
     if (!cli_given(run, "--half-width")) return FIELD_HALF_WIDTH;
-    return run->options.half_width > 0.0 ? run->options.half_width : (double)INFINITY;
+    return run->options->half_width > 0.0 ? run->options->half_width : (double)INFINITY;
 }
 
 int cli_check_field(cli_run *run)
 {
     static const char *const of_fields[] = {"--half-width", "--sign", "--vectors", "--value-type"};
-    cli_options *const o = &run->options;
+    cli_options *const o = run->options;
     int32_t const format = bvx_format_of_name(o->output);
     double const width = half_width_of(run);
     for (size_t i = 0; i < sizeof of_fields / sizeof of_fields[0] && o->mode != CLI_MODE_FIELD; i++)
@@ -32,20 +32,20 @@ int cli_check_field(cli_run *run)
 
 static int write_field_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file)
 {
-    int const result = status == BVX_OK ? cli_write_output(run, number, file) : cli_fail_status(run, status, run->options.output);
+    int const result = status == BVX_OK ? cli_write_output(run, number, file) : cli_fail_status(run, status, run->options->output);
     bvx_buffer_free(run->context, file);
     return result;
 }
 
 int cli_write_field(cli_run *run, const bvx_field *field)
 {
-    int32_t const format = bvx_format_of_name(run->options.output);
+    int32_t const format = bvx_format_of_name(run->options->output);
     bvx_buffer file = {0};
     bvx_status status;
     int result;
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    status = bvx_write_field(run->context, field, run->options.vectors, format, &file);
+    status = bvx_write_field(run->context, field, run->options->vectors, format, &file);
     result = write_field_buffer(run, 0, status, &file);
     if (result == CLI_DONE && cli_needs_sidecar(format)) {
         status = bvx_write_lattice(run->context, &field->band, &file);
@@ -53,16 +53,16 @@ int cli_write_field(cli_run *run, const bvx_field *field)
     }
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
-    if (result == CLI_DONE) cli_warn_of_window(run, run->options.output, &field->band);
+    if (result == CLI_DONE) cli_warn_of_window(run, run->options->output, &field->band);
     return result;
 }
 
 static void tell_field(cli_run *run, const bvx_field *f, uint64_t inside)
 {
     cli_text *const t = &run->report.more;
-    cli_say(run, "%s -> %s\n", cli_input_name(run->options.input[0]), run->options.output);
+    cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
     cli_say_grid(run, &f->band, f->value_count, 1);
-    cli_say(run, "  field       %s within %.9g\n", run->options.vectors ? "vectors" : "distances", f->half_width);
+    cli_say(run, "  field       %s within %.9g\n", run->options->vectors ? "vectors" : "distances", f->half_width);
     cli_say(run, "  sign        %s", cli_sign_names[f->sign]);
     if (f->sign != BVX_SIGN_NONE) cli_say(run, ", %" PRIu64 " centres inside", inside);
     cli_say(run, "\n");
@@ -70,7 +70,7 @@ static void tell_field(cli_run *run, const bvx_field *f, uint64_t inside)
     cli_json_value(t, "half_width", f->half_width);
     cli_json_count(t, "values", f->value_count);
     cli_json_count(t, "inside", inside);
-    cli_json_truth(t, "vectors", run->options.vectors);
+    cli_json_truth(t, "vectors", run->options->vectors);
     cli_text_add(t, ", \"value_type\": \"f%d\"}", f->value_type == BVX_F64 ? 64 : 32);
     if (f->value_count == 0) cli_warn(run, "no centre lies within %.9g of the mesh", f->half_width);
 }
@@ -85,13 +85,13 @@ int cli_voxelize_field(cli_run *run, const bvx_mesh_view *view, const bvx_window
     memset(&field, 0, sizeof field);
     bvx_field_options_init(&o, sizeof o);
     o.half_width = half_width_of(run);
-    o.sign = run->options.sign;
-    o.value_type = cli_given(run, "--value-type") ? run->options.value_type : BVX_F32;
-    o.no_vectors = !run->options.vectors;
+    o.sign = run->options->sign;
+    o.value_type = cli_given(run, "--value-type") ? run->options->value_type : BVX_F32;
+    o.no_vectors = !run->options->vectors;
     o.window = *window;
     status = bvx_measure_field(run->context, view, &run->report.lattice, &o, &field);
     cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
     if (field.inside.words != NULL) bvx_grid_count(run->context, &field.inside, &inside);
     run->report.set = field.value_count;
     run->report.has_set = 1;

@@ -1,11 +1,9 @@
 /* grid_output.c - a grid as one file, or as two where its format keeps no lattice: all or nothing. */
-#include "cli_shell/cli.h"
+#include "cli_results/results.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { VOX_SIDE = 256 };
 
 int cli_check_grid_name(cli_run *run, const char *path)
 {
@@ -25,19 +23,6 @@ int cli_open_grid_output(cli_run *run, const char *path)
     return status;
 }
 
-int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, const int32_t size[3])
-{
-    int32_t const format = bvx_format_of_name(path);
-    for (int a = 0; a < 3 && format == BVX_FORMAT_VOX; a++)
-        if (size[a] > VOX_SIDE)
-            return cli_fail(run, "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels; .vox holds at most %d a side: take another format, "
-                            "fewer voxels or a --window", path, size[0], size[1], size[2], VOX_SIDE);
-    if (format == BVX_FORMAT_BINVOX && (l->spacing[0] != l->spacing[1] || l->spacing[0] != l->spacing[2]))
-        return cli_fail(run, "%s: voxels of %.9g x %.9g x %.9g; .binvox holds cubic ones alone: take another format", path,
-                        l->spacing[0], l->spacing[1], l->spacing[2]);
-    return CLI_DONE;
-}
-
 /* Formats of other programs know a box of voxels and nothing around it. */
 void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
 {
@@ -52,14 +37,14 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
 static int write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file)
 {
     int const result = status == BVX_OK ? cli_write_output(run, number, file)
-                                        : cli_fail_status(run, status, run->options.output);
+                                        : cli_fail_status(run, status, run->options->output);
     bvx_buffer_free(run->context, file);
     return result;
 }
 
 int cli_write_grid(cli_run *run, const bvx_grid *grid)
 {
-    const char *const path = run->options.output;
+    const char *const path = run->options->output;
     int32_t const format = bvx_format_of_name(path);
     bvx_buffer file = {0};
     bvx_status status;

@@ -1,5 +1,5 @@
 /* leaf_mesh.c - refine --leaves: the leaves of an octree as boxes of their level's colour, opened by --cut. */
-#include "cli_shell/cli.h"
+#include "cli_results/results.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -65,11 +65,11 @@ static void fill_leaf_mesh(const cli_options *o, const bvx_lattice *last, int32_
 static int make_room(cli_run *run, uint64_t count, bvx_octree_leaf **leaves, bvx_mesh *mesh)
 {
     uint64_t const bytes = count * (LEAF_BYTES + sizeof **leaves);
-    uint64_t const limit = run->options.memory_limit != 0 ? run->options.memory_limit : LEAF_MESH_BYTES;
-    if (count == 0) return cli_fail(run, "%s: there is no leaf in these states", run->options.output);
+    uint64_t const limit = run->general->memory_limit != 0 ? run->general->memory_limit : LEAF_MESH_BYTES;
+    if (count == 0) return cli_fail(run, "%s: there is no leaf in these states", run->options->output);
     if (bytes > limit || bytes > SIZE_MAX)
         return cli_fail(run, "%s: %" PRIu64 " leaves as boxes would take %" PRIu64 " MiB: take .vtu, fewer --levels or --states, or a larger "
-                        "--memory-limit", run->options.output, count, bytes >> 20);
+                        "--memory-limit", run->options->output, count, bytes >> 20);
     *leaves = malloc((size_t)count * sizeof **leaves);
     mesh->positions = malloc((size_t)count * LEAF_VERTICES * 3 * sizeof(double));
     mesh->triangles = malloc((size_t)count * LEAF_TRIANGLES * 3 * sizeof(uint32_t));
@@ -85,7 +85,7 @@ static int make_room(cli_run *run, uint64_t count, bvx_octree_leaf **leaves, bvx
 
 int cli_make_leaf_mesh(cli_run *run, const bvx_octree *tree, bvx_mesh *mesh)
 {
-    const cli_options *const o = &run->options;
+    const cli_options *const o = run->options;
     int32_t const levels = bvx_octree_levels(tree);
     bvx_octree_leaf *leaves = NULL;
     uint64_t count = 0;

@@ -1,6 +1,6 @@
 /* level_tables.c - what is told of levels: the input, a table of what each level is, a table of how near it
  * stays. */
-#include "cli_shell/cli.h"
+#include "cli_results/results.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -16,7 +16,7 @@ int cli_is_sound(const bvx_certificate *c)
 void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *in, double diagonal)
 {
     cli_say(run, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n",
-            cli_input_name(run->options.input[0]), triangles, in->closed ? "closed" : "not closed",
+            cli_input_name(run->options->input[0]), triangles, in->closed ? "closed" : "not closed",
             in->edge_manifold && in->vertex_manifold ? "manifold" : "not manifold",
             in->oriented ? "oriented" : "not oriented", diagonal);
 }

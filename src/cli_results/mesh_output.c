@@ -1,5 +1,5 @@
 /* mesh_output.c - meshes as files: the names that are good for them, what formats cannot hold. */
-#include "cli_shell/cli.h"
+#include "cli_results/results.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -60,7 +60,7 @@ int cli_check_mesh_name(cli_run *run, const char *path)
 
 int cli_check_level_names(cli_run *run, int count)
 {
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
 
     if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
     if (cli_has_number(out) || count == 1 || bvx_format_of_name(out) == BVX_FORMAT_GLB) return CLI_DONE;
@@ -77,17 +77,17 @@ int cli_check_level_names(cli_run *run, int count)
 
 int cli_check_output_origin(cli_run *run)
 {
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
 
-    if (!run->options.output_origin.given || cli_kind_of_format(bvx_format_of_name(out)) == CLI_MESH) return CLI_DONE;
+    if (!run->options->output_origin.given || cli_kind_of_format(bvx_format_of_name(out)) == CLI_MESH) return CLI_DONE;
     return cli_usage(run, "--output-origin is for meshes; %s is not a mesh", out);
 }
 
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
 {
-    const char *const in = cli_input_name(run->options.input[0]), *const out = run->options.output;
+    const char *const in = cli_input_name(run->options->input[0]), *const out = run->options->output;
 
-    if (!run->options.carry) return CLI_DONE;
+    if (!run->options->carry) return CLI_DONE;
     if (mesh->colours == NULL && mesh->uvs == NULL)
         return cli_usage(run, "%s has neither colours nor texture coordinates that --carry could carry", in);
     if (mesh->colours == NULL && bvx_format_of_name(out) == BVX_FORMAT_OFF)
@@ -98,9 +98,9 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
 
 int cli_check_carry_name(cli_run *run)
 {
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
 
-    if (!run->options.carry || bvx_format_of_name(out) != BVX_FORMAT_STL) return CLI_DONE;
+    if (!run->options->carry || bvx_format_of_name(out) != BVX_FORMAT_STL) return CLI_DONE;
     return cli_usage(
         run, "%s: .stl holds neither colours nor texture coordinates; take .ply, .obj or .glb for --carry",
         out);
@@ -119,17 +119,17 @@ void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh)
 
 int cli_check_sharp(cli_run *run)
 {
-    if (run->options.sharp && run->options.no_sharp) return cli_usage(run, "--sharp and --no-sharp exclude each other");
+    if (run->options->sharp && run->options->no_sharp) return cli_usage(run, "--sharp and --no-sharp exclude each other");
     return CLI_DONE;
 }
 
 int cli_check_normals(cli_run *run)
 {
-    const char *const out = run->options.output;
+    const char *const out = run->options->output;
     int32_t const format = bvx_format_of_name(out);
     int const holds = format == BVX_FORMAT_PLY || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_GLB;
 
-    if (!run->options.normals || holds) return CLI_DONE;
+    if (!run->options->normals || holds) return CLI_DONE;
     return cli_usage(run, "%s: --normals is for .ply and .obj; %s", out,
                      format == BVX_FORMAT_STL ? ".stl has the normals of triangles only"
                                               : "no normals are written to this format");
@@ -142,7 +142,7 @@ static bvx_mesh placed_mesh(const cli_run *run, const bvx_mesh *mesh)
 {
     bvx_mesh placed = *mesh;
 
-    for (int a = 0; a < 3; a++) placed.frame[a] -= run->options.output_origin.value[a];
+    for (int a = 0; a < 3; a++) placed.frame[a] -= run->options->output_origin.value[a];
     return placed;
 }
 
@@ -254,7 +254,7 @@ static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *
     int result;
 
     bvx_write_options_init(&o, sizeof o);
-    o.normals = run->options.normals;
+    o.normals = run->options->normals;
     o.rounding = BVX_ROUNDING_ALLOW;
     status = bvx_write_mesh_with(run->context, &placed, &o, bvx_format_of_name(path), &file);
     result = status == BVX_OK ? cli_write_output(run, number, &file) : cli_fail_status(run, status, path);
@@ -276,12 +276,12 @@ int cli_write_mesh_as(cli_run *run, const bvx_mesh *mesh, int number, const char
 
 int cli_write_mesh(cli_run *run, const bvx_mesh *mesh)
 {
-    int result = judge_mesh(run, mesh, 0, run->options.output);
+    int result = judge_mesh(run, mesh, 0, run->options->output);
 
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    result = put_mesh(run, mesh, 0, run->options.output);
+    result = put_mesh(run, mesh, 0, run->options->output);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
     return result;
@@ -289,11 +289,11 @@ int cli_write_mesh(cli_run *run, const bvx_mesh *mesh)
 
 int cli_open_levels(cli_run *run, int count, char **path)
 {
-    int const in_one = !cli_has_number(run->options.output);
+    int const in_one = !cli_has_number(run->options->output);
     int status = CLI_DONE;
 
     for (int i = 0; i < count && status == CLI_DONE; i++) {
-        path[i] = in_one && i > 0 ? path[0] : cli_numbered_path(run->options.output, i);
+        path[i] = in_one && i > 0 ? path[0] : cli_numbered_path(run->options->output, i);
         if (path[i] == NULL) return cli_fail(run, "no memory for a file's name");
         if (!in_one || i == 0) status = cli_open_output(run, path[i]);
     }

@@ -1,17 +1,14 @@
 /* tree_output.c - an octree in, and out: as a tree, as the voxels of one level, or as a mesh. */
-#include "cli_shell/cli.h"
+#include "cli_results/results.h"
 
-#include <inttypes.h>
 #include <string.h>
-
-#define TREE_GRID_BYTES (UINT64_C(1) << 30) /* most bytes of a grid without --memory-limit */
 
 /* ---- what is asked for ---- */
 
 /* A .bvx file is a tree, or with --expand the grid of a level. */
 int cli_check_tree_output(cli_run *run, cli_tree *t)
 {
-    const char *const path = run->options.output;
+    const char *const path = run->options->output;
     int32_t const format = bvx_format_of_name(path);
     int const expand = cli_given(run, "--expand");
     t->kind = format == BVX_FORMAT_BVX && !expand ? 0 : cli_kind_of_format(format);
@@ -21,20 +18,14 @@ int cli_check_tree_output(cli_run *run, cli_tree *t)
     if (expand && t->kind != CLI_GRID) return cli_usage(run, "--expand is for grids; %s would be none", path);
     if (cli_given(run, "--states") && t->kind == 0 && format == BVX_FORMAT_BVX)
         return cli_usage(run, "--states chooses voxels; %s holds the whole octree: take --expand, or another format", path);
-    if (run->options.leaves && t->kind != CLI_MESH) return cli_usage(run, "--leaves makes a mesh; %s would be none", path);
-    if (cli_given(run, "--cut") && !run->options.leaves) return cli_usage(run, "--cut needs --leaves");
+    if (run->options->leaves && t->kind != CLI_MESH) return cli_usage(run, "--leaves makes a mesh; %s would be none", path);
+    if (cli_given(run, "--cut") && !run->options->leaves) return cli_usage(run, "--cut needs --leaves");
     return CLI_DONE;
-}
-
-int cli_check_tree_level(cli_run *run, int32_t levels)
-{
-    if (run->options.expand <= levels) return CLI_DONE;
-    return cli_usage(run, "--expand %" PRId32 " is beyond the last level, %" PRId32, run->options.expand, levels);
 }
 
 int cli_open_tree_output(cli_run *run, const cli_tree *t)
 {
-    return t->kind == CLI_GRID ? cli_open_grid_output(run, run->options.output) : cli_open_output(run, run->options.output);
+    return t->kind == CLI_GRID ? cli_open_grid_output(run, run->options->output) : cli_open_output(run, run->options->output);
 }
 
 /* ---- in ---- */
@@ -47,53 +38,16 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
     status = bvx_octree_lattice(run->context, tree, 0, &t->base);
     if (status == BVX_OK) status = bvx_octree_lattice(run->context, tree, t->levels, &run->report.lattice);
     if (status == BVX_OK) status = bvx_octree_count(run->context, tree, t->level, CLI_TREE_LEVELS + 1);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options.input[0]));
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
     run->report.has_lattice = 1;
     return CLI_DONE;
 }
 
 /* ---- one level as a grid ---- */
 
-/* A window of the last level, in voxels of one so many levels above. */
-static void window_at(const bvx_window *finest, int32_t shift, bvx_window *w)
-{
-    *w = *finest;
-    for (int a = 0; a < 3 && finest->size[0] != 0; a++) {
-        int64_t const end = (int64_t)finest->low[a] + finest->size[a];
-        w->low[a] = finest->low[a] >> shift;
-        w->size[a] = (int32_t)((end + (INT64_C(1) << shift) - 1) >> shift) - w->low[a];
-    }
-}
-
-int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path, bvx_grid *grid)
-{
-    const cli_options *const o = &run->options;
-    int32_t const levels = bvx_octree_levels(tree), level = cli_given(run, "--expand") ? o->expand : levels;
-    bvx_lattice lattice;
-    bvx_window window;
-    bvx_status status;
-    uint64_t words;
-    if (cli_check_tree_level(run, levels) != CLI_DONE) return CLI_USAGE;
-    status = bvx_octree_lattice(run->context, tree, level, &lattice);
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
-    window_at(finest, levels - level, &window);
-    words = bvx_grid_bound(&lattice, &window);
-    if (o->memory_limit == 0 && words > TREE_GRID_BYTES / 8)
-        return cli_fail(run, "%s: the grid of level %" PRId32 " would take %" PRIu64 " MiB: take a lower --expand or a --window, or allow it by "
-                        "--memory-limit", path, level, words >> 17);
-    if (o->output != NULL && cli_kind_of_format(bvx_format_of_name(o->output)) == CLI_GRID) {
-        int const fits = cli_check_grid_format(run, o->output, &lattice, window.size[0] != 0 ? window.size : lattice.dims);
-        if (fits != CLI_DONE) return fits;
-    }
-    cli_stage_begin(run, "expand");
-    status = bvx_octree_expand(run->context, tree, level, o->states, &window, grid);
-    cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, path);
-}
-
 static int write_expanded(cli_run *run, cli_tree *t)
 {
-    int const status = cli_expand_tree(run, t->tree, &t->window, run->options.output, &t->grid);
+    int const status = cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid);
     if (status != CLI_DONE) return status;
     bvx_grid_count(run->context, &t->grid, &run->report.set);
     run->report.has_set = 1;
@@ -110,23 +64,23 @@ static int make_surface_mesh(cli_run *run, cli_tree *t)
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
     cli_stage_begin(run, "surface");
-    status = bvx_extract_octree(run->context, t->tree, run->options.states, &e, &t->surface);
+    status = bvx_extract_octree(run->context, t->tree, run->options->states, &e, &t->surface);
     cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options.output);
-    return t->surface.triangle_count != 0 ? CLI_DONE : cli_fail(run, "%s: no voxel has these states", run->options.output);
+    if (status != BVX_OK) return cli_fail_status(run, status, run->options->output);
+    return t->surface.triangle_count != 0 ? CLI_DONE : cli_fail(run, "%s: no voxel has these states", run->options->output);
 }
 
 /* The tree itself, or the mesh that was made of it. */
 static int write_tree_file(cli_run *run, const cli_tree *t)
 {
-    const char *const path = run->options.output;
+    const char *const path = run->options->output;
     bvx_buffer file = {0};
     bvx_status status;
     int result;
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    status = bvx_write_octree(run->context, t->tree, run->options.states, bvx_format_of_name(path), &file);
+    status = bvx_write_octree(run->context, t->tree, run->options->states, bvx_format_of_name(path), &file);
     result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
@@ -139,13 +93,13 @@ int cli_write_tree(cli_run *run, cli_tree *t)
     int status = CLI_DONE;
     if (t->kind == CLI_GRID) return write_expanded(run, t);
     if (t->kind == CLI_MESH)
-        status = run->options.leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface) : make_surface_mesh(run, t);
+        status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface) : make_surface_mesh(run, t);
     return status == CLI_DONE ? write_tree_file(run, t) : status;
 }
 
 void cli_free_tree(cli_run *run, cli_tree *t)
 {
-    if (run->options.leaves) cli_free_leaf_mesh(&t->surface);
+    if (run->options->leaves) cli_free_leaf_mesh(&t->surface);
     else bvx_mesh_free(run->context, &t->surface);
     bvx_grid_free(run->context, &t->grid);
     bvx_octree_free(run->context, t->tree);

@@ -1,5 +1,5 @@
 /* tree_report.c - what is told of an octree: a table of its levels, and the same for programs. */
-#include "cli_shell/cli.h"
+#include "cli_results/results.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -52,7 +52,7 @@ void cli_say_levels(cli_run *run, const cli_tree *t)
 
 void cli_say_tree_output(cli_run *run, const cli_tree *t)
 {
-    cli_say(run, "written: %s", run->options.output);
+    cli_say(run, "written: %s", run->options->output);
     if (t->kind == CLI_GRID) {
         const int32_t *const n = t->grid.size;
         cli_say(run, ", %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " set", n[0], n[1], n[2], run->report.set);

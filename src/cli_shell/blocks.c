@@ -9,7 +9,7 @@
 #include <unistd.h>
 #endif
 
-#include "cli_shell/cli.h"
+#include "cli_shell/shell.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* messages.c - what is said to people: errors in one line, warnings, text. */
-#include "cli_shell/cli.h"
+#include "cli_shell/shell.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -16,10 +16,10 @@ static void tame(char *text)
 /* "IN: " in front of a message about one of several inputs that does not name it itself, else "". */
 static void name_input(const cli_run *run, const char *message, char *prefix, size_t room)
 {
-    const char *const in = run->options.input[0];
+    const char *const in = run->about;
 
     prefix[0] = 0;
-    if (run->batch && strncmp(message, in, strlen(in)) != 0) snprintf(prefix, room, "%s: ", in);
+    if (in != NULL && strncmp(message, in, strlen(in)) != 0) snprintf(prefix, room, "%s: ", in);
     tame(prefix);
 }
 
@@ -121,7 +121,7 @@ void cli_warn(cli_run *run, const char *format, ...)
     cli_clear_bar(run);
     fflush(stdout);
     name_input(run, text, prefix, sizeof prefix);
-    if (!run->options.quiet) fprintf(stderr, "bitvox: warning: %s%s\n", prefix, text);
+    if (!run->general->quiet) fprintf(stderr, "bitvox: warning: %s%s\n", prefix, text);
     copy = malloc(strlen(text) + 1);
     if (copy == NULL) return;
     memcpy(copy, text, strlen(text) + 1);
@@ -137,7 +137,7 @@ void cli_warn(cli_run *run, const char *format, ...)
 void cli_say(cli_run *run, const char *format, ...)
 {
     va_list args;
-    if (run->options.quiet || run->options.json || (run->standard_taken && run->standard_name[0] == 0)) return;
+    if (run->general->quiet || run->general->json || (run->standard_taken && run->standard_name[0] == 0)) return;
     cli_clear_bar(run);
     va_start(args, format);
     vfprintf(run->standard_taken ? stderr : stdout, format, args);

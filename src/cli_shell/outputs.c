@@ -11,7 +11,7 @@
 #define OUTPUTS_POSIX 0
 #endif
 
-#include "cli_shell/cli.h"
+#include "cli_shell/shell.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -211,6 +211,11 @@ static const char *same_file(const cli_run *run, const cli_output *o)
     return NULL;
 }
 
+int cli_is_standard_output(const cli_run *run, const char *path)
+{
+    return run->standard_name[0] != 0 && strcmp(path, run->standard_name) == 0;
+}
+
 int cli_open_output(cli_run *run, const char *path)
 {
     cli_output *const o = &run->output[run->outputs];
@@ -236,7 +241,7 @@ int cli_open_output(cli_run *run, const char *path)
     if (run->standard_name[0] != 0 && run->outputs > 1)
         return cli_usage(run, "-o - is for one output; %s would be another", strcmp(path, run->standard_name) != 0 ? path : run->output[0].path);
     if (o->kind != CLI_OUT_STANDARD || cli_is_standard_output(run, path)) return CLI_DONE;
-    if (run->options.json) return cli_usage(run, "%s is standard output, where --json writes its report", path);
+    if (run->general->json) return cli_usage(run, "%s is standard output, where --json writes its report", path);
     run->standard_taken = 1;
     return CLI_DONE;
 }

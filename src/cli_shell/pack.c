@@ -1,7 +1,7 @@
 /* pack.c - files whose names end in .gz are packed by gzip before they are written.
  *
  * The same bytes give the same file: neither a time nor a name is stored. */
-#include "cli_shell/cli.h"
+#include "cli_shell/shell.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -11,6 +11,12 @@
 #endif
 
 enum { PACK_CHUNK = 1 << 20, PACK_LEVEL = 6, PACK_LEAST = 64 };
+
+int cli_is_packed(const char *path)
+{
+    size_t const n = strlen(path);
+    return n > 3 && strcmp(path + n - 3, ".gz") == 0;
+}
 
 #ifdef BVX_HAVE_ZLIB
 

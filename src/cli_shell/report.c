@@ -1,5 +1,5 @@
 /* report.c - the run as one JSON object for programs. */
-#include "cli_shell/cli.h"
+#include "cli_shell/shell.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -96,6 +96,18 @@ static void report_lattice(cli_text *t, const bvx_lattice *lattice)
     cli_text_add(t, "}");
 }
 
+static void report_parts(const cli_report *report, cli_text *t)
+{
+    const bvx_keep_report *const p = &report->parts;
+
+    if (!report->has_parts) return;
+    cli_text_add(t, ", \"parts\": {\"kept\": %" PRIu64, p->kept);
+    cli_json_count(t, "dropped", p->dropped);
+    cli_json_count(t, "voxels_kept", p->voxels_kept);
+    cli_json_count(t, "voxels_dropped", p->voxels_dropped);
+    cli_text_add(t, "}");
+}
+
 static void report_error(cli_text *t, const cli_report *r)
 {
     cli_text_add(t, ", \"error\": {\"code\": ");
@@ -110,10 +122,10 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
     const cli_report *const r = &run->report;
     cli_text_add(t, "{\"status\": \"%s\"",
                  status == CLI_DONE ? "done" : status == CLI_INTERRUPTED ? "interrupted" : "failed");
-    if (run->command != NULL) cli_text_add(t, ", \"command\": \"%s\"", run->command->name);
+    if (run->name != NULL) cli_text_add(t, ", \"command\": \"%s\"", run->name);
     if (!brief && r->has_lattice) report_lattice(t, &r->lattice);
     if (!brief && r->has_set) cli_json_count(t, "set", r->set);
-    if (!brief) cli_report_parts(r, t);
+    if (!brief) report_parts(r, t);
     if (!brief && r->nonfinite != 0) cli_json_count(t, "nonfinite_triangles", r->nonfinite);
     cli_text_add(t, ", \"stages\": [");
     for (int i = 0; i < r->stages; i++) {
@@ -160,15 +172,4 @@ void cli_note_peak(cli_run *run, uint64_t bytes)
     cli_lock();
     if (all > run->report.peak_bytes) run->report.peak_bytes = all;
     cli_unlock();
-}
-
-double cli_diagonal(const double low[3], const double high[3])
-{
-    double longest = 0.0, sum = 0.0;
-    for (int a = 0; a < 3; a++) longest = high[a] - low[a] > longest ? high[a] - low[a] : longest;
-    for (int a = 0; a < 3 && longest > 0.0; a++) { /* squares of large sides would be infinite */
-        double const side = (high[a] - low[a]) / longest;
-        sum += side * side;
-    }
-    return longest * sqrt(sum);
 }

@@ -1,6 +1,6 @@
 /* terminal.c - time, and the progress of a run: a bar for people, lines of JSON for programs.
  *
- * A stage is what the command names: "level 0". It has the share of the run that plan.c gives it, and its calls of the library,
+ * A stage is what the command names: "level 0". It has the share of the run that the plan of its command gives it, and its calls of the library,
  * which report 0 to 1 each, share it evenly: cli_stage_calls says how many there are. One fraction rises from 0 to 1 over the
  * whole run; 1 is reported when the run has succeeded. */
 #if defined(__unix__) || defined(__APPLE__)
@@ -10,7 +10,7 @@
 #define TERMINAL_POSIX 0
 #endif
 
-#include "cli_shell/cli.h"
+#include "cli_shell/shell.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -52,9 +52,9 @@ static int terminal_takes_a_bar(void)
 static int progress_way(cli_run *run)
 {
     if (run->progress.way == 0) {
-        run->progress.way = run->options.progress;
+        run->progress.way = run->general->progress;
         if (run->progress.way == CLI_BAR_AUTO)
-            run->progress.way = !run->options.quiet && terminal_takes_a_bar() ? CLI_BAR_DRAW : CLI_BAR_NONE;
+            run->progress.way = !run->general->quiet && terminal_takes_a_bar() ? CLI_BAR_DRAW : CLI_BAR_NONE;
     }
     return run->progress.way;
 }
@@ -137,7 +137,7 @@ static void open_stage(cli_run *run, const char *name)
     p->ended = 0.0;
     p->calls = 1;
     p->call = p->moved = 0;
-    if (!cli_plan_stage(run, name, &p->low, &p->high)) p->low = p->high = p->reached;
+    if (run->plan_stage == NULL || !run->plan_stage(run, name, &p->low, &p->high)) p->low = p->high = p->reached;
     if (p->low > p->reached) p->reached = p->low;
 }
 

@@ -1,7 +1,7 @@
 /* text.c - text that grows, and the pieces that JSON is made of.
  *
  * Independent of stdio's streams, so that any thread may use it whatever another one is printing. */
-#include "cli_shell/cli.h"
+#include "cli_shell/shell.h"
 
 #include <inttypes.h>
 #include <stdarg.h>

@@ -16,7 +16,7 @@
 
 #define WATCH_HEAVY (UINT64_C(64) << 20) /* bytes that the system needs some milliseconds to take back */
 
-#include "cli_shell/cli.h"
+#include "cli_shell/shell.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -44,13 +44,14 @@ enum {
 
 static struct watch {
     pthread_mutex_t lock;
-    cli_run *run;     /* NULL: nothing to leave behind yet */
+    cli_run *run;     /* NULL: nothing to leave yet */
+    const cli_leaving *leaving;
     int interrupted;
     int kept;         /* the outputs have their names */
     int status;       /* of the exit; -1: not known */
     enum { NOTHING, MESSAGE, REPORT } saying; /* by the main thread, now */
     int reported;     /* the report is said, or its saying has begun */
-} watch = {PTHREAD_MUTEX_INITIALIZER, NULL, 0, 0, -1, NOTHING, 0};
+} watch = {PTHREAD_MUTEX_INITIALIZER, NULL, NULL, 0, 0, -1, NOTHING, 0};
 
 static sigset_t watch_signals;
 
@@ -64,10 +65,11 @@ void cli_unlock(void)
     pthread_mutex_unlock(&watch.lock);
 }
 
-void cli_watch_run(cli_run *run)
+void cli_watch_run(cli_run *run, const cli_leaving *leaving)
 {
     cli_lock();
     watch.run = run;
+    watch.leaving = leaving;
     cli_unlock();
 }
 
@@ -148,7 +150,7 @@ static void say_error(const cli_run *run, const char *message)
 static void say_interrupt(cli_run *run)
 {
     cli_report *const r = &run->report;
-    cli_interrupt_text(run, r->error_message, sizeof r->error_message);
+    watch.leaving->say(run, r->error_message, sizeof r->error_message);
     snprintf(r->error_code, sizeof r->error_code, "BVX_CANCELLED");
     say_error(run, r->error_message);
 }
@@ -184,12 +186,12 @@ static void end_program(void)
         if (watch.status < 0) say_error(run, "interrupted; nothing was written");
         _exit(status);
     }
-    cli_remove_temporaries(run);
+    watch.leaving->remove(run);
     if (watch.status < 0) say_interrupt(run);
     else if (watch.saying == MESSAGE) say_error(run, run->report.error_message); /* it waits for standard output */
-    if (run->options.json && !watch.reported) {
+    if (run->general->json && !watch.reported) {
         cli_text text = {NULL, 0, 0, 0};
-        cli_report_text(run, status, 1, &text);
+        watch.leaving->report(run, status, 1, &text);
         write_soon(run->standard_taken ? STDERR_FILENO : STDOUT_FILENO, text.bytes, text.size);
     }
     leave_heavy_things();
@@ -287,9 +289,10 @@ void cli_watch_again(void)
     watch_kept = 0;
 }
 
-void cli_watch_run(cli_run *run)
+void cli_watch_run(cli_run *run, const cli_leaving *leaving)
 {
     (void)run;
+    (void)leaving;
 }
 
 void cli_watch_decide(int status)

@@ -14,7 +14,7 @@
 #include "io/ply_file.h"
 #include "mesh/view.h"
 #ifdef IN_cli
-#include "cli_shell/cli.h"
+#include "cli_commands/commands.h"
 #undef _DEFAULT_SOURCE
 #endif
 

@@ -1,6 +1,7 @@
 #!/bin/sh
 # check_rooms.sh - who may use whom: the table "Rooms" of docs/architecture.md is read, and each #include of another room in src/ held to it.
 # A row may name rooms of rows before it only, so there is no circle. A room without a row fails, and a permission that nothing uses.
+# The program's rooms go up like a stair: each header includes that of the room below, and no circle of files is left (check_circles.sh).
 set -eu
 cd "$(dirname "$0")/../.."
 
@@ -31,3 +32,5 @@ grep -Hno '#include "[a-z_]*/' src/*/*.c src/*/*.h | sed 's|^src/\([a-z_]*\)/\([
         if (rooms < 5) { print "docs/architecture.md: no table of rooms"; bad = 1 }
         exit bad
     }' docs/architecture.md -
+
+sh tests/tools/check_circles.sh

@@ -1,0 +1,51 @@
+/* command_checks.c - what holds for all commands once the words of the command line are taken. */
+#include "cli_commands/commands.h"
+
+#include <string.h>
+
+static int check_batch(cli_run *run)
+{
+    const cli_options *const o = run->options;
+    int const kind = cli_kind_of_format(o->format);
+
+    if (o->output != NULL) return cli_usage(run, "-o and --output-dir exclude each other");
+    for (int i = 0; i < o->inputs; i++)
+        if (strcmp(o->input[i], "-") == 0) return cli_usage(run, "standard input has no name; --output-dir is for files");
+    if (o->format != 0 && (kind == 0 || ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY)) != 0 && kind != CLI_MESH)))
+        return cli_usage(run, "--format %s is not written by %s", cli_format_name(o->format), run->command->name);
+    if (run->command->bit == CLI_CONVERT && o->format == 0)
+        return cli_usage(run, "convert lacks the format of the files in --output-dir; say it with --format");
+    return CLI_DONE;
+}
+
+/* What holds for all commands once the words are taken. */
+int cli_check_line(cli_run *run)
+{
+    const cli_options *const o = run->options;
+    const char *const name = run->command->name;
+    int const least = run->command->least_inputs;
+    int const writes = o->output != NULL && strcmp(o->output, "-") == 0;
+    int standard = 0;
+    if (o->inputs == 0) return cli_usage(run, "%s lacks its input file; see 'bitvox %s --help'", name, name);
+    if (o->inputs < least)
+        return cli_usage(run, "%s lacks an input: bitvox %s %s", name, name, run->command->usage);
+    for (int i = 0; i < o->inputs; i++) standard += strcmp(o->input[i], "-") == 0;
+    if (standard != 0 && o->format == 0)
+        return cli_usage(run, "standard input has no name that tells the format; say it with --format");
+    if (standard == 0 && !writes && o->output_dir == NULL && o->format != 0)
+        return cli_usage(run, "--format is for standard input and output, '-'; names of files tell theirs");
+    if (o->output_dir != NULL) return check_batch(run);
+    if (o->output == NULL && run->command->bit != CLI_COMPONENTS && cli_takes(run, "-o"))
+        return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
+    if (writes && cli_take_standard_output(run) != CLI_DONE) return CLI_USAGE;
+    return cli_check_options(run);
+}
+
+int cli_check_options(cli_run *run)
+{
+    const cli_options *const o = run->options;
+    if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE || cli_check_parts(run) != CLI_DONE)
+        return CLI_USAGE;
+    if (o->general.quiet && o->general.progress == CLI_BAR_DRAW) return cli_usage(run, "--quiet and --progress=bar exclude each other");
+    return CLI_DONE;
+}

@@ -1,0 +1,106 @@
+/* commands.h - of the bitvox program: the commands, and what several of them share. */
+#ifndef BVX_CLI_COMMANDS_H
+#define BVX_CLI_COMMANDS_H
+
+#include "cli_results/results.h"
+
+extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill,
+    cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph, cli_components, cli_simplify;
+
+/* cmd_compare.c: bvx_grid_compare with a message that names both. */
+int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
+/* cmd_repair.c: the numbers of a repair as a member of the JSON report. */
+void cli_report_repair(cli_run *run, const bvx_repair_report *repair, int measured);
+
+/* ---- solids.c: the rules that fill a mesh ---- */
+
+/* Refuse options that speak of voxelizing beside a grid; path names it. */
+int cli_refuse_for_grid(cli_run *run, const char *path);
+/* The mesh of an input becomes its solid. */
+int cli_fill_input(cli_run *run, cli_input *in);
+
+/* Refuse options that the rule of --fill has no use for. */
+int cli_check_fill(cli_run *run);
+/* --fill and its options; second and the report are the caller's. */
+void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
+/* The rule that filled, and why. */
+void cli_say_fill(cli_run *run, const bvx_solid_report *report);
+/* What the report of a solid tells: warnings; lines of text; a member of the JSON report. */
+/* Of the thin walls and the volume that a solid has lost; of: an input among several with ": ", or "". */
+void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice, const bvx_solid_report *report);
+void cli_json_losses(cli_text *text, const bvx_lattice *lattice, const bvx_solid_report *report);
+void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
+void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
+void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
+
+/* ---- clouds.c: voxels of a cloud of points ---- */
+
+/* Refuse options of clouds for another kind of input. */
+int cli_check_cloud_options(cli_run *run, const char *kind);
+/* Refuse the options of clouds for meshes, and those of meshes for clouds. */
+int cli_check_cloud(cli_run *run, int cloud);
+/* A grid of the window from the options, on the report's lattice; told, written and warned of. */
+int cli_voxelize_cloud(cli_run *run, const bvx_mesh_view *points, const bvx_window *window);
+
+/* ---- fill_table.c: --compare-fills ---- */
+
+int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice *lattice, bvx_fill_comparison *comparison);
+/* The comparison as lines of text and as a member of the JSON report. */
+void cli_tell_fills(cli_run *run, const bvx_fill_comparison *comparison);
+
+/* ---- volume_output.c: voxelize of a volume ---- */
+
+/* To a grid, or by the output's ending to one mesh or one a label. */
+int cli_voxelize_volume(cli_run *run, const bvx_window *window);
+
+/* ---- reduce_mesh.c: --triangles and --error of commands that make one mesh ---- */
+
+typedef struct cli_reduction {
+    int done;               /* fewer triangles were asked for and made */
+    uint64_t before;        /* triangles */
+    bvx_level_report level;
+} cli_reduction;
+
+/* Refuse both together. */
+int cli_check_reduction(cli_run *run);
+/* Refuse each of them, with the reason behind its name. */
+int cli_refuse_reduction(cli_run *run, const char *why);
+/* The edges of a closed mesh collapse, where that is asked for. */
+int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
+/* What became of it: a line of text, a member of the JSON report. */
+void cli_tell_reduction(cli_run *run, const cli_reduction *r);
+
+/* ---- turntable.c ---- */
+
+/* A direction turned round an axis by i / n of a turn; 0 when it lies along the axis. */
+int cli_turn(const double direction[3], const double axis[3], int32_t i, int32_t n, double turned[3]);
+/* What a picture from a direction shows of a box on either side of a middle: its half width and height. What is there
+ * already grows to it. */
+void cli_turn_room(const double low[3], const double high[3], const double middle[3], const double direction[3],
+                   const double axis[3], double room[2]);
+
+/* ---- section_info.c, volume_info.c: what info says ---- */
+
+/* Read contours and say what they are. */
+int cli_tell_sections(cli_run *run, const char *path);
+/* The type, range and histogram of a volume's samples, where they are more than bits. */
+int cli_tell_samples(cli_run *run, const char *path);
+
+/* ---- command_checks.c ---- */
+
+/* What holds for all commands once the words are taken. */
+int cli_check_line(cli_run *run);
+/* What options contradict each other or the names of inputs and output. */
+int cli_check_options(cli_run *run);
+
+/* ---- batch.c: --output-dir ---- */
+
+/* Run the command on each input. */
+int cli_run_batch(cli_run *run);
+
+/* ---- standard_output.c: -o - ---- */
+
+/* run->options.output becomes a name that stands for standard output; refuses a terminal. */
+int cli_take_standard_output(cli_run *run);
+
+#endif

@@ -1,0 +1,145 @@
+/* inputs.h - of the bitvox program: inputs by their names, and the lattices that fit them. */
+#ifndef BVX_CLI_INPUTS_H
+#define BVX_CLI_INPUTS_H
+
+#include "cli_args/args.h"
+
+/* ---- named_formats.c: formats by the names of files ---- */
+
+enum { CLI_MESH = 1, CLI_GRID = 2, CLI_TREE = 3 };
+
+/* CLI_MESH, CLI_GRID or 0, of any BVX_FORMAT_... */
+int cli_kind_of_format(int32_t format);
+const char *cli_format_name(int32_t format);
+int cli_needs_sidecar(int32_t format);       /* it keeps no lattice */
+char *cli_sidecar_name(const char *path);    /* to be freed; NULL without memory */
+/* The format of an input by --format or its name, BVX_FORMAT_... */
+int32_t cli_input_format(const cli_run *run, const char *path);
+/* How messages call an input. */
+const char *cli_input_name(const char *path);
+/* Refuse a lattice that the format of a grid's file cannot hold. */
+int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *lattice, const int32_t size[3]);
+
+/* ---- files.c: whole files in ---- */
+
+typedef struct cli_bytes {
+    unsigned char *bytes;
+    size_t size, room;
+    uint64_t limit;          /* of room */
+} cli_bytes;
+
+/* Read a file, gzip data unpacked; "-" is standard input. */
+int cli_read_file(cli_run *run, const char *path, cli_bytes *bytes);
+/* The same within a stage of the caller's, where so many bytes of other files are held already and count against the same limit. */
+int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *bytes);
+/* Read a mesh from a file; creates run->context when there is none. */
+int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
+/* The same, or a cloud of points: .xyz, or .ply without faces. */
+int cli_read_mesh_or_cloud(cli_run *run, const char *path, bvx_mesh *mesh, int *cloud);
+
+/* ---- vti_blocks.c: VTK's XML images with packed arrays ---- */
+
+/* A .vti file with blocks of zlib becomes the same without; others stay. */
+int cli_unpack_vti(cli_run *run, const char *path, cli_bytes *bytes);
+
+/* ---- sidecars.c: FILE.npy.json ---- */
+
+/* The side-car of a file without a lattice, where there is one; grid is all of the file or a part of it. */
+int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed);
+
+/* ---- inputs.c: any input by its ending ---- */
+
+typedef struct cli_input {
+    const char *path;
+    int kind;       /* CLI_MESH, CLI_GRID, or CLI_TREE where that is asked for */
+    bvx_mesh mesh;
+    bvx_grid grid;
+    bvx_octree *tree;
+    int placed;     /* 0: neither file nor side-car tells a grid's lattice */
+} cli_input;
+
+/* What an input would be by its name; refuses what is not read. */
+int cli_input_kind(cli_run *run, const char *path, int *kind);
+/* Read a grid, or a window of it (NULL or all zero: all), and its side-car; creates run->context when there is none. An octree
+ * becomes the grid of its last level, or that of --expand. */
+int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed);
+/* The same, but an octree stays what it is. */
+int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *input);
+/* --window; all zero when it is not given. */
+int cli_window_option(cli_run *run, bvx_window *window);
+int cli_read_input(cli_run *run, const char *path, cli_input *input); /* a mesh or a grid */
+void cli_free_input(cli_run *run, cli_input *input);
+
+/* ---- volume_input.c: scalar volumes, and the voxels that are chosen of them ---- */
+
+typedef struct cli_volume {
+    cli_bytes file, data;   /* samples may stand in either */
+    bvx_volume volume;
+    bvx_volume_view view;   /* the window of it that is wanted */
+    int placed;             /* 0: neither file nor side-car tells its lattice */
+} cli_volume;
+
+/* 1 when options choose voxels of a volume by their samples. */
+int cli_selects(const cli_run *run);
+/* 1 when the samples of an input are needed, and not what is other than 0. */
+int cli_is_volume(const cli_run *run, const char *path);
+/* Refuse options of volumes where no input is one: nothing would come of them. */
+int cli_check_volume_options(cli_run *run);
+/* Refuse options that contradict each other. */
+int cli_check_selection(cli_run *run, const char *path);
+/* Read a volume, or a window of it (NULL or all zero: all); creates run->context when there is none. */
+int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *volume);
+void cli_free_volume(cli_run *run, cli_volume *volume);
+/* The voxels of --level, --range or --label; without any those whose sample is not 0. */
+bvx_status cli_select_voxels(cli_run *run, const cli_volume *volume, bvx_volume_report *report, bvx_grid *grid);
+/* What was found in it: a member of the JSON report, lines of text, a warning. */
+void cli_tell_volume(cli_run *run, const cli_volume *volume, const bvx_volume_report *report);
+
+/* ---- kept_parts.c: --keep-largest and --least-part of voxels ---- */
+
+/* 1 when parts may be dropped. */
+int cli_keeps_parts(const cli_run *run);
+/* Refuse these options for meshes of commands that read grids. */
+int cli_check_parts(cli_run *run);
+/* Keep the parts asked for, of a grid in itself or in another one, and count them for the report. */
+bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept);
+void cli_say_parts(cli_run *run);
+
+/* ---- tree_input.c ---- */
+
+/* Refuse --expand beyond the last level. */
+int cli_check_tree_level(cli_run *run, int32_t levels);
+/* The last level, or that of --expand, as a grid, or a window of it (all zero: all); path is named in messages. */
+int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path, bvx_grid *grid);
+
+/* ---- contour_input.c: contours of sections ---- */
+
+/* 1 for .csl and .csv. */
+int cli_is_contours(const cli_run *run, const char *path);
+/* Read contours; creates run->context when there is none. */
+int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections);
+
+/* ---- mesh_lattice.c: where voxels of a mesh lie ---- */
+
+typedef struct cli_box {
+    double low[3], high[3];
+} cli_box;
+
+/* Refuse what of --resolution, --spacing, --origin and --padding contradicts itself. */
+int cli_check_lattice(cli_run *run);
+/* The box of the vertices that a mesh's triangles use; one that holds two. */
+void cli_mesh_box(const bvx_mesh *mesh, cli_box *box);
+void cli_join_boxes(cli_box *box, const cli_box *other);
+/* A lattice by the options, around a box, a mesh or a cloud of points. */
+bvx_status cli_make_box_lattice(cli_run *run, const cli_box *box, bvx_lattice *lattice);
+bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
+bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
+/* The diagonal of a box, wherever doubles hold it. */
+double cli_diagonal(const double low[3], const double high[3]);
+
+/* ---- far_points.c ---- */
+
+/* Refuse a large lattice that is large because of few points far from the others. */
+int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud, const bvx_lattice *lattice);
+
+#endif

@@ -1,0 +1,63 @@
+/* named_formats.c - formats by the names of files: what they are called, and what they hold. */
+#include "cli_inputs/inputs.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { VOX_SIDE = 256 };
+
+int cli_kind_of_format(int32_t format)
+{
+    if (format < 0 || format > 30) return 0;
+    return (BVX_MESHES_WRITTEN >> format & 1) != 0 ? CLI_MESH : (BVX_GRIDS_READ >> format & 1) != 0 ? CLI_GRID : 0;
+}
+
+const char *cli_format_name(int32_t format)
+{
+    switch (format) {
+#define FORMAT_NAME(name, value, text) case name: return text;
+        BVX_FORMAT_LIST(FORMAT_NAME)
+#undef FORMAT_NAME
+    default: return "unknown";
+    }
+}
+
+int cli_needs_sidecar(int32_t format)
+{
+    return format == BVX_FORMAT_NPY || format == BVX_FORMAT_VOX;
+}
+
+char *cli_sidecar_name(const char *path)
+{
+    size_t const n = strlen(path) - (cli_is_packed(path) ? 3 : 0);
+    char *const name = malloc(n + 6);
+    if (name != NULL) {
+        memcpy(name, path, n);
+        memcpy(name + n, ".json", 6);
+    }
+    return name;
+}
+
+const char *cli_input_name(const char *path)
+{
+    return strcmp(path, "-") == 0 ? "standard input" : path;
+}
+
+int32_t cli_input_format(const cli_run *run, const char *path)
+{
+    return strcmp(path, "-") == 0 ? run->options->format : bvx_format_of_name(path);
+}
+
+int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, const int32_t size[3])
+{
+    int32_t const format = bvx_format_of_name(path);
+    for (int a = 0; a < 3 && format == BVX_FORMAT_VOX; a++)
+        if (size[a] > VOX_SIDE)
+            return cli_fail(run, "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels; .vox holds at most %d a side: take another format, "
+                            "fewer voxels or a --window", path, size[0], size[1], size[2], VOX_SIDE);
+    if (format == BVX_FORMAT_BINVOX && (l->spacing[0] != l->spacing[1] || l->spacing[0] != l->spacing[2]))
+        return cli_fail(run, "%s: voxels of %.9g x %.9g x %.9g; .binvox holds cubic ones alone: take another format", path,
+                        l->spacing[0], l->spacing[1], l->spacing[2]);
+    return CLI_DONE;
+}

@@ -1,0 +1,59 @@
+/* sidecars.c - the side-car that tells a grid's place.
+ *
+ * .npy and .vox hold voxels alone. Where their lattice lies stands in a side-car beside them, FILE.npy.json; without one
+ * the voxels start at 0 and have sides of 1. A side-car that is damaged or belongs to a grid of another size is an error. */
+#include "cli_inputs/inputs.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A grid as large as the whole file, since a side-car tells of all of it; its words are not looked at. */
+static void stand_for_file(const bvx_grid *part, bvx_grid *whole)
+{
+    *whole = *part;
+    memset(whole->low, 0, sizeof whole->low);
+    memcpy(whole->size, part->lattice.dims, sizeof whole->size);
+    whole->words_per_row = (whole->size[0] - 1) / 64 + 1;
+    whole->word_capacity = UINT64_MAX;
+    if (whole->words == NULL) whole->words = &whole->word_capacity; /* a volume has none */
+}
+
+/* The part that was read gets its place on the side-car's lattice. */
+static bvx_status take_lattice(cli_run *run, const cli_bytes *b, bvx_grid *grid)
+{
+    bvx_grid whole;
+    bvx_status status;
+    stand_for_file(grid, &whole);
+    status = bvx_read_lattice(run->context, b->bytes, b->size, &whole);
+    if (status != BVX_OK) return status;
+    grid->lattice = whole.lattice;
+    for (int a = 0; a < 3; a++) grid->low[a] += whole.low[a];
+    return BVX_OK;
+}
+
+int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed)
+{
+    char *const name = strcmp(path, "-") == 0 ? NULL : cli_sidecar_name(path);
+    cli_bytes b = {NULL, 0, 0, 0};
+    FILE *file;
+    int status = CLI_DONE;
+    *placed = 0;
+    if (name == NULL) return strcmp(path, "-") == 0 ? CLI_DONE : cli_fail(run, "no memory for a file's name");
+    file = fopen(name, "rb");
+    if (file != NULL) {
+        fclose(file);
+        status = cli_read_file(run, name, &b);
+        if (status == CLI_DONE) {
+            bvx_status const read = take_lattice(run, &b, grid);
+            if (read != BVX_OK) status = cli_fail_status(run, read, name);
+            else *placed = 1;
+        }
+        free(b.bytes);
+    } else if (errno != ENOENT) {
+        status = cli_fail(run, "%s: %s", name, strerror(errno));
+    }
+    free(name);
+    return status;
+}

@@ -1,0 +1,113 @@
+/* results.h - of the bitvox program: meshes, levels, grids, fields and trees as files and in words. */
+#ifndef BVX_CLI_RESULTS_H
+#define BVX_CLI_RESULTS_H
+
+#include "cli_inputs/inputs.h"
+
+/* ---- tree_output.c, tree_report.c: octrees ---- */
+
+enum { CLI_TREE_LEVELS = 25 };
+
+typedef struct cli_tree {
+    bvx_octree *tree;
+    bvx_lattice base;
+    int32_t levels;
+    bvx_octree_level level[CLI_TREE_LEVELS + 1];
+    int kind;           /* of the output: CLI_MESH, CLI_GRID, or 0 for a tree */
+    bvx_window window;  /* of the last level */
+    bvx_grid grid;      /* what is written of it: a level, a mesh */
+    bvx_mesh surface;
+    uint64_t triangles; /* of the mesh that was refined; 0: the tree was read */
+    double seconds;     /* that it took */
+} cli_tree;
+
+/* Refuse outputs that octrees have no use for, and options that have none for the output; sets kind. */
+int cli_check_tree_output(cli_run *run, cli_tree *t);
+int cli_open_tree_output(cli_run *run, const cli_tree *t);
+/* Take over an octree, also on failure: its levels are counted, its lattice is reported. */
+int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t);
+/* Write run->options.output and keep it. */
+int cli_write_tree(cli_run *run, cli_tree *t);
+void cli_free_tree(cli_run *run, cli_tree *t);
+void cli_say_levels(cli_run *run, const cli_tree *t);
+void cli_say_tree_output(cli_run *run, const cli_tree *t);
+void cli_report_tree(cli_run *run, const cli_tree *t);
+
+/* ---- leaf_mesh.c: refine --leaves ---- */
+
+/* The leaves in the states asked for, less what --cut takes away, as boxes; to be freed here in any case. */
+int cli_make_leaf_mesh(cli_run *run, const bvx_octree *tree, bvx_mesh *mesh);
+void cli_free_leaf_mesh(bvx_mesh *mesh);
+
+/* ---- grid_output.c: a grid out, with its side-car where the format keeps no lattice ---- */
+
+/* Refuse an ending that stands for no grid. */
+int cli_check_grid_name(cli_run *run, const char *path);
+/* Open the outputs of a grid, write it as run->options.output and keep it. */
+int cli_open_grid_output(cli_run *run, const char *path);
+int cli_write_grid(cli_run *run, const bvx_grid *grid);
+void cli_say_grid(cli_run *run, const bvx_grid *grid, uint64_t set, int placed);
+/* The place of a part (0: the low corner, 0.5: the centre) of a grid's first voxel. */
+void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
+
+/* Say what a format leaves out of a window's grid. */
+void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
+
+/* ---- mesh_output.c: meshes as files ---- */
+
+/* Where a pattern has its %d, or %03d with so many digits: its length there; NULL where it has none. */
+const char *cli_number_place(const char *pattern, size_t *length, int *digits);
+int cli_has_number(const char *pattern);
+int cli_has_two_numbers(const char *pattern);
+/* A pattern with its %d or %03d replaced, to be freed; NULL without memory. */
+char *cli_numbered_path(const char *pattern, int64_t number);
+/* Refuse an ending that stands for no mesh format. */
+int cli_check_mesh_name(cli_run *run, const char *path);
+/* Refuse a name without %d for several levels (count 0: several in any case), but for one .glb, which may hold them. */
+int cli_check_level_names(cli_run *run, int count);
+/* Refuse --carry to a format that holds nothing to carry, or of a mesh that has nothing. */
+int cli_check_carry_name(cli_run *run);
+int cli_check_carry(cli_run *run, const bvx_mesh *mesh);
+/* Refuse --normals for a format without. */
+int cli_check_normals(cli_run *run);
+int cli_check_sharp(cli_run *run);
+/* What of a mesh a format cannot hold, as a warning. */
+void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
+/* Refuse --output-origin for outputs other than meshes. */
+int cli_check_output_origin(cli_run *run);
+/* Write the mesh as the output of this number, which is open, but do not keep it: less --output-origin; --normals adds the
+ * normals of vertices. Where the file holds other positions than the mesh, or joins them, the certificate of the report's
+ * entry of this number, if there is one, becomes the file's; a mesh that the format would spoil is refused. */
+int cli_write_mesh_as(cli_run *run, const bvx_mesh *mesh, int number, const char *path);
+/* The same as run->options.output, and keep it. */
+int cli_write_mesh(cli_run *run, const bvx_mesh *mesh);
+
+/* Open an output for each level; path receives their names, the first one for all where one file holds them. */
+int cli_open_levels(cli_run *run, int count, char **path);
+/* Write all levels to these outputs and keep them. */
+int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path);
+
+/* ---- level_tables.c: what is told of levels ---- */
+
+/* 1 when a mesh is closed, manifold and oriented. */
+int cli_is_sound(const bvx_certificate *certificate);
+/* The first line: the input's triangles, whether it is sound, its diagonal. */
+void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *certificate, double diagonal);
+/* The report's levels that edges collapsed to: triangles, targets, what they are. */
+void cli_say_collapsed(cli_run *run, int count, double diagonal);
+/* The distances of the report's meshes to the input; to says what that is where it is no mesh, unit_of whose unit they have;
+ * decimals of percent. */
+void cli_say_distances(cli_run *run, int count, double diagonal, int decimals, const char *to, const char *unit_of);
+/* The files' names. */
+void cli_say_written(cli_run *run, int count);
+
+/* ---- field_output.c: distances as files; voxelize --mode field ---- */
+
+/* Refuse options and names that the mode has no use for; choose the padding. */
+int cli_check_field(cli_run *run);
+/* Write a field as one file or two. */
+int cli_write_field(cli_run *run, const bvx_field *field);
+/* Measure on the report's lattice, write, tell; ends the stage that the caller began. */
+int cli_voxelize_field(cli_run *run, const bvx_mesh_view *view, const bvx_window *window);
+
+#endif

@@ -1,0 +1,46 @@
+/* run_end.c - the last words of a run, and its exit status. */
+#if defined(__unix__) || defined(__APPLE__)
+#define _POSIX_C_SOURCE 200809L
+#define END_POSIX 1
+#else
+#define END_POSIX 0
+#endif
+
+#include "cli_shell/shell.h"
+
+#include <stdio.h>
+#if END_POSIX
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+#endif
+
+/* A reader that has seen enough, as head has, is not a failure: the program ends as others do, by the signal and without a
+ * word. All files are written by now. */
+static void end_without_reader(void)
+{
+#if END_POSIX
+    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
+
+    if (poll(&out, 1, 0) != 1 || (out.revents & POLLERR) == 0) return;
+    signal(SIGPIPE, SIG_DFL);
+    raise(SIGPIPE);
+#endif
+}
+
+int cli_end_of_output(cli_run *run)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout)) return CLI_DONE;
+    end_without_reader();
+    return cli_fail(run, "standard output cannot be written");
+}
+
+/* The last words: the report of --json, or what is left of the text. */
+int cli_end_of_run(cli_run *run, int status)
+{
+    if (!run->general->json || cli_report_print(run, status)) return status == CLI_DONE ? cli_end_of_output(run) : status;
+
+    if (status != CLI_DONE) return status;
+    end_without_reader();
+    return cli_fail(run, "standard output cannot be written");
+}

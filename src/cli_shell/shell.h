@@ -1,0 +1,264 @@
+/* shell.h - of the bitvox program: what it says, writes and hears; no command and no option of one is known here. */
+#ifndef BVX_CLI_SHELL_H
+#define BVX_CLI_SHELL_H
+
+#include "bitvox.h"
+#include "cli_shell/endings.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Exit statuses. */
+enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INTERRUPTED = 130 };
+
+enum {
+    CLI_MAX_INPUTS = 64,
+    CLI_MAX_FILES = 8192, /* inputs with --output-dir */
+    CLI_MAX_LEVELS = 64,
+    CLI_MAX_OUTPUTS = 512,
+    CLI_MAX_STAGES = 6 * CLI_MAX_LEVELS,
+    CLI_MAX_WARNINGS = 32,
+    CLI_MAX_OPTIONS = 256
+};
+
+typedef struct cli_run cli_run;
+typedef struct cli_options cli_options; /* cli_args/args.h */
+typedef struct cli_command cli_command;
+
+enum { CLI_BAR_AUTO = 0, CLI_BAR_DRAW = 1, CLI_BAR_JSON = 2, CLI_BAR_NONE = 3 };
+
+/* What the command line says to all commands. */
+typedef struct cli_general {
+    int32_t help, json, quiet;
+    int32_t progress;       /* CLI_BAR_... */
+    int32_t threads;
+    uint64_t memory_limit;  /* 0: not given */
+} cli_general;
+
+/* ---- text.c: text that grows; what does not fit into memory is left out and marked ---- */
+
+typedef struct cli_text {
+    char *bytes; /* ends with a zero byte; NULL: empty */
+    size_t size, room;
+    int failed;
+} cli_text;
+
+void cli_text_add(cli_text *text, const char *format, ...);
+void cli_text_free(cli_text *text);
+/* Pieces of JSON. A string, with bytes that are no UTF-8 replaced; a number, null when it is none; "key": with a comma
+ * and a space before it, but for the first. */
+void cli_json_string(cli_text *text, const char *string);
+void cli_json_number(cli_text *text, double value);
+void cli_json_key(cli_text *text, const char *key, int first);
+/* , "key": value */
+void cli_json_count(cli_text *text, const char *key, uint64_t value);
+void cli_json_value(cli_text *text, const char *key, double value);
+void cli_json_truth(cli_text *text, const char *key, int value);
+void cli_json_triple(cli_text *text, const char *key, const double value[3]);
+void cli_json_ints(cli_text *text, const char *key, const int32_t value[3]);
+
+/* ---- report.c: the report of --json ---- */
+
+typedef struct cli_mesh_entry {
+    const char *path;
+    bvx_certificate certificate;
+    const bvx_certificate *welded;        /* with vertices at equal positions joined, or NULL */
+    int colours, uvs;                     /* it has them */
+    int has_crossings;                    /* they were counted */
+    uint64_t crossings;
+    const bvx_lod_report *lod;            /* or NULL */
+    const bvx_level_report *level;        /* or NULL */
+    double milliseconds, rate;            /* milliseconds beside lod, rate beside both */
+    const char *source;                   /* beside level: what it was made from, "mesh" or "measured" */
+    const bvx_distance_report *distance;  /* to the input, or NULL */
+} cli_mesh_entry;
+
+/* Stages, warnings, peak and error change under cli_lock, since an interrupt may report them at any time. */
+typedef struct cli_report {
+    bvx_lattice lattice;
+    int has_lattice, has_set;
+    uint64_t set;
+    bvx_keep_report parts;   /* of voxels, where some were to be dropped */
+    int has_parts;
+    uint64_t nonfinite;      /* triangles of the inputs that were left out */
+    struct {
+        char name[32];
+        double seconds;
+    } stage[CLI_MAX_STAGES];
+    int stages;
+    cli_mesh_entry mesh[CLI_MAX_OUTPUTS];
+    int meshes;
+    cli_text more;           /* further members as JSON, each with ", " before it */
+    char *warning[CLI_MAX_WARNINGS];
+    int warnings;
+    uint64_t peak_bytes;     /* most bytes held for data */
+    cli_text batch;          /* the whole report of several inputs, in place of the above */
+    char error_code[32];
+    char error_message[1024];
+} cli_report;
+
+/* The report as one line; status is the exit status. brief leaves out what only the main thread may read. */
+void cli_report_text(const cli_run *run, int status, int brief, cli_text *text);
+/* Write it to standard output, or with -o - to standard error; 0 when that failed. */
+int cli_report_print(cli_run *run, int status);
+/* So many bytes are held beside what the context has now. */
+void cli_note_peak(cli_run *run, uint64_t bytes);
+
+/* ---- messages.c: what is said to people ---- */
+
+/* Print "bitvox: ..." to standard error, keep it for the report, return the exit status. */
+int cli_fail(cli_run *run, const char *format, ...);
+int cli_usage(cli_run *run, const char *format, ...);
+/* The same for a call of the library that failed; about names the file or is NULL. CLI_INTERRUPTED when cancelled. */
+int cli_fail_status(cli_run *run, bvx_status status, const char *about);
+/* The same, with an advice behind the message. */
+int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice);
+int cli_fail_interrupted(cli_run *run);
+/* What an interrupt left, as the message says it. */
+void cli_interrupt_text(const cli_run *run, char *text, size_t room);
+void cli_warn(cli_run *run, const char *format, ...);
+/* Print to standard output unless --quiet, --json or an output takes it; to standard error with -o -. */
+void cli_say(cli_run *run, const char *format, ...);
+
+/* ---- outputs.c: whole files out, all or none ---- */
+
+enum { CLI_OUT_NEW = 0, CLI_OUT_IN_PLACE = 1, CLI_OUT_STANDARD = 2 };
+
+typedef struct cli_output {
+    char *path;      /* as it was given */
+    char *target;    /* behind symbolic links */
+    char *temporary; /* CLI_OUT_NEW, until it is kept */
+    char *older;     /* what stood at target, under another name while several outputs are kept */
+    int kind;        /* CLI_OUT_... */
+    int begun;       /* something was written in place */
+    int kept;
+} cli_output;
+
+/* Make sure that a file can be written: a file with a temporary name is made beside it. */
+int cli_open_output(cli_run *run, const char *path);
+/* Fill an output, numbered in the order of opening; it gets its name by cli_keep_outputs. */
+int cli_write_output(cli_run *run, int number, const bvx_buffer *file);
+/* Give all outputs their names, or none of them. */
+int cli_keep_outputs(cli_run *run);
+/* 1 when both are there and are the same. */
+int cli_are_one_file(const char *a, const char *b);
+/* 1 for the name that stands for standard output. */
+int cli_is_standard_output(const cli_run *run, const char *path);
+/* Remove what was not kept. */
+void cli_drop_outputs(cli_run *run);
+/* The part of it that an interrupt does, with the lock held. */
+void cli_remove_temporaries(cli_run *run);
+
+/* ---- pack.c: outputs whose names end in .gz ---- */
+
+/* 0 in builds without zlib. */
+int cli_can_pack(void);
+/* Pack a file by gzip; packed->bytes is to be freed in any case. */
+int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer *packed);
+int cli_is_packed(const char *path);         /* ends in .gz */
+
+/* ---- terminal.c: time and progress ---- */
+
+double cli_seconds(void); /* of a clock that only goes forward */
+/* A stage begins and ends, under the name that the report and the progress tell; the end returns its seconds. */
+void cli_stage_begin(cli_run *run, const char *format, ...);
+double cli_stage_end(cli_run *run);
+/* How many calls of the library, and files written, the stage is made of; 1 where nothing is said. */
+void cli_stage_calls(cli_run *run, int calls);
+int32_t cli_progress(void *run, const char *stage, double fraction); /* a bvx_progress_fn */
+/* The last line, of fraction 1 after a success; no bar stays behind. */
+void cli_progress_end(cli_run *run, int status);
+void cli_clear_bar(cli_run *run);
+
+typedef struct cli_progress_state {
+    char stage[32];   /* "" before the first */
+    int named;        /* the command has begun it and not ended it */
+    double low, high; /* its share of the run */
+    int calls, call;  /* of the library in it: how many, and which one runs */
+    int moved;        /* it has reported something */
+    int row, time;    /* of the plan; row -1: before the first */
+    int made, measured; /* levels, for the plan: made one after the other, measured likewise */
+    double start, ended; /* of the stage, seconds; ended 0: it still runs */
+    double reached;   /* of the run */
+    double told;      /* when the last line or bar was shown */
+    int bar;          /* a bar stands on the terminal */
+    int way;          /* CLI_BAR_..., 0: not yet decided */
+} cli_progress_state;
+
+/* ---- watch.c: interrupts ---- */
+
+/* Before any other thread starts. */
+void cli_watch_start(void);
+/* What an interrupt asks of the files that use this one: to remove temporaries, to say what was left, to report. */
+typedef struct cli_leaving {
+    void (*remove)(cli_run *run);
+    void (*say)(const cli_run *run, char *text, size_t room);
+    void (*report)(const cli_run *run, int status, int brief, cli_text *text);
+} cli_leaving;
+
+/* From now on an interrupt that the run does not heed soon ends the program by itself. */
+void cli_watch_run(cli_run *run, const cli_leaving *leaving);
+int cli_interrupted(void);
+/* Around what an interrupt must find whole: outputs and their names, the report's texts. Nothing that may wait for
+ * others (pipes, terminals) happens inside. Does not return once an interrupt is ending the program. */
+void cli_lock(void);
+void cli_unlock(void);
+/* With the lock held: the outputs have their names, so nothing is cancelled any more. */
+void cli_watch_kept(void);
+/* With the lock held: the exit status is known, and a message about it is said until cli_watch_told. */
+void cli_watch_decide(int status);
+/* The report is written until cli_watch_told. */
+void cli_watch_report(void);
+void cli_watch_told(void);
+/* With the lock held: another input follows. */
+void cli_watch_again(void);
+/* All is said; the program only has to end. */
+void cli_watch_end(int status);
+
+/* ---- blocks.c ---- */
+
+/* Ask for huge pages behind a block, when it is large. */
+void cli_large_block(void *block, size_t size);
+/* Give options an allocator that does so. */
+void cli_blocks_offer(bvx_context_options *options);
+
+/* ---- the run ---- */
+
+struct cli_run {
+    const char *name;              /* of the command; NULL: none */
+    const cli_command *command;    /* not looked at in this room */
+    cli_options *options;          /* likewise */
+    const cli_general *general;    /* a part of the options */
+    const char *about;             /* the input that messages name, one of several; NULL: no need */
+    unsigned char given[CLI_MAX_OPTIONS]; /* by row of the table of options */
+    /* The share of the run that the stage which begins now has; 0 when it is not in the command's plan. NULL: no plan. */
+    int (*plan_stage)(struct cli_run *run, const char *name, double *low, double *high);
+    cli_report report;
+    bvx_context *context;
+    uint64_t context_limit; /* of its memory, when one was asked for; 0: none */
+    cli_output output[CLI_MAX_OUTPUTS];
+    int outputs;
+    int standard_taken;     /* standard output belongs to an output */
+    char standard_name[32]; /* of -o -, with an ending; "" without */
+    uint64_t removed_bytes; /* of files that the system takes apart at the exit */
+    double start;
+    cli_progress_state progress;
+};
+
+/* ---- run_end.c: the last words ---- */
+
+/* The report of --json or what is left of the text; returns the exit status. */
+int cli_end_of_run(cli_run *run, int status);
+/* All text has gone to standard output. */
+int cli_end_of_output(cli_run *run);
+
+/* ---- run_context.c ---- */
+
+/* Memory that this process may use: the machine's, or less where a container or a limit of the shell allows less; 0 where the
+ * system does not tell. */
+uint64_t cli_memory_there(void);
+
+/* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */
+int cli_make_context(cli_run *run, uint64_t file_bytes);
+
+#endif
