@@ -81,9 +81,9 @@ def builder() -> FFI:
     ffi.set_source(
         "bitvox._native",
         GLUE + "".join(f"BVXPY_FREE({name}, bvx_{name})\n" for name in things),
-        sources=[os.path.relpath(header.with_name("bitvox.c"), here)],
+        sources=[os.path.relpath(unit, here) for unit in csource.units()],
         depends=[os.path.relpath(header, here)],
-        include_dirs=[os.path.relpath(header.parent, here)],
+        include_dirs=[os.path.relpath(folder, here) for folder in (header.parent, header.parent / "src")],
         extra_compile_args=compile_flags,
         extra_link_args=link_flags,
         py_limited_api=True,

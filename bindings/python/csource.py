@@ -1,37 +1,68 @@
-"""The C library beside this package, as one file, and what its header declares.
+"""The C library beside this package, in units that compile beside one another, and what its header declares.
 
-In the repository the two files are put together anew at each build; a source distribution carries them.
+In the repository the sources are copied anew at each build; a source distribution carries them.
 """
 
 from __future__ import annotations
 
 import io
 import re
-import shutil
-import subprocess
-import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 SOURCE = HERE / "csrc"
 REPOSITORY = HERE.parent.parent
 
+# Units of about one size: enough to keep many processors busy to the end, few enough that headers are not read again and again.
+UNITS = 16
+_UNIT_HEAD = """#if defined(__linux__) && !defined(_GNU_SOURCE)
+#define _GNU_SOURCE /* what -std=c99 hides: clocks and affinity, for threads alone */
+#endif
+#if defined(__clang__)
+#pragma clang diagnostic ignored "-Wunused-function" /* inline helpers that not every target needs */
+#endif
+"""
+
 
 def prepare() -> Path:
-    """Make sure that csrc/bitvox.c and csrc/bitvox.h are there and up to date; returns the header's path."""
-    if (REPOSITORY / "src" / "amalgamate.sh").is_file() and (REPOSITORY / "include" / "bitvox.h").is_file():
-        SOURCE.mkdir(exist_ok=True)
-        with tempfile.TemporaryDirectory() as made:
-            subprocess.run(["sh", "src/amalgamate.sh", made], cwd=REPOSITORY, check=True)
-            shutil.copyfile(REPOSITORY / "LICENSE", Path(made) / "LICENSE")
-            for name in ("bitvox.c", "bitvox.h", "LICENSE"):
-                old, new = SOURCE / name, Path(made) / name
-                if not old.is_file() or old.read_bytes() != new.read_bytes():
-                    shutil.copyfile(new, old)
+    """Make sure that the sources and the header are in csrc and up to date; returns the header's path."""
+    if (REPOSITORY / "src" / "core").is_dir() and (REPOSITORY / "include" / "bitvox.h").is_file():
+        rooms = [path for path in sorted((REPOSITORY / "src").iterdir()) if path.is_dir() and path.name != "cli"]
+        files = {f"src/{room.name}/{path.name}": path.read_bytes() for room in rooms for path in sorted(room.glob("*.[ch]"))}
+        files |= {f"unit_{i:02}.c": text.encode() for i, text in enumerate(_units(files))}
+        files |= {"bitvox.h": (REPOSITORY / "include" / "bitvox.h").read_bytes(), "LICENSE": (REPOSITORY / "LICENSE").read_bytes()}
+        _lay(files)
     header = SOURCE / "bitvox.h"
-    if not header.is_file():
-        raise SystemExit("csrc/bitvox.c is missing: build from the repository or from a source distribution")
+    if not header.is_file() or not units():
+        raise SystemExit("csrc/bitvox.h is missing: build from the repository or from a source distribution")
     return header
+
+
+def _units(files: dict[str, bytes]) -> list[str]:
+    """Sources that include the library's, a part each; names of statics are unique over all of them."""
+    sources = sorted(name for name in files if name.endswith(".c"))
+    total, at, texts = sum(len(files[name]) for name in sources), 0, [_UNIT_HEAD] * UNITS
+    for name in sources:
+        texts[at * UNITS // total] += f'#include "{name}"\n'
+        at += len(files[name])
+    return texts
+
+
+def _lay(files: dict[str, bytes]) -> None:
+    """Files in csrc and no others; what has not changed is left alone."""
+    for path in [*SOURCE.rglob("*")] if SOURCE.is_dir() else []:
+        if path.is_file() and path.relative_to(SOURCE).as_posix() not in files:
+            path.unlink()
+    for name, data in files.items():
+        path = SOURCE / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.is_file() or path.read_bytes() != data:
+            path.write_bytes(data)
+
+
+def units() -> list[Path]:
+    """The files to compile."""
+    return sorted(SOURCE.glob("unit_*.c"))
 
 
 def _drop_inline(text: str) -> str:
@@ -84,8 +115,8 @@ def declared(header: Path) -> list[str]:
 
 
 def missing(header: Path) -> list[str]:
-    """Of these, the ones that csrc/bitvox.c does not define."""
-    source = header.with_name("bitvox.c").read_text(encoding="utf-8")
+    """Of these, the ones that the sources do not define."""
+    source = "\n".join(path.read_text(encoding="utf-8") for path in sorted(header.parent.glob("src/*/*.c")))
     defined = set(re.findall(r"^[a-z][\w \*]*?\b(bvx_\w+)\([^;{]*\)\s*\{", source, flags=re.M))
     return [name for name in declared(header) if name not in defined]
 

@@ -44,9 +44,15 @@ def test_trimesh_registry():
     mine = {tuple(p) for p in np.round(sphere.voxelized(0.5, method="bitvox", mode="conservative").points / 0.5).astype(int)}
     theirs = {tuple(p) for p in np.round(sphere.voxelized(0.5, method="subdivide").points / 0.5).astype(int)}
     assert theirs <= mine
-    found = subprocess.run([sys.executable, "-c", "import trimesh, bitvox; from trimesh.voxel.creation import voxelizers; print('bitvox' in voxelizers)"],
-                           capture_output=True, text=True, check=False)
-    assert found.stdout == "True\n", found.stderr
+    bitvox.register_with_trimesh()  # a notebook's cell that is run again
+
+
+@pytest.mark.parametrize("first", ["import trimesh, bitvox", "import bitvox, trimesh", "import bitvox; import trimesh; import importlib; importlib.reload(bitvox)"])
+def test_trimesh_registry_in_any_order_of_imports(first):
+    pytest.importorskip("trimesh")
+    code = f"{first}\nprint('voxelizers' in dir(trimesh.voxel.creation), trimesh.creation.box().voxelized(0.25, method='bitvox').filled_count)\nbitvox.register_with_trimesh()"
+    found = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False)
+    assert found.stdout == "True 64\n" and found.stderr == ""
 
 
 def test_pyvista():

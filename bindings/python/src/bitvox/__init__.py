@@ -11,8 +11,10 @@ lock is free during every call. Options are keyword-only; every function takes `
 where its work can be long, and `settings` sets them for all calls.
 """
 
-from typing import Any
+import importlib
+from typing import TYPE_CHECKING, Any
 
+from . import _inputs as _inputs  # enters its calls into the table
 from ._errors import (
     ArgumentError,
     Cancelled,
@@ -60,21 +62,27 @@ from ._stages import (
     voxelize,
 )
 from ._trimesh import register as register_with_trimesh
-from ._trimesh import register_if_there as _register_if_there
+from ._trimesh import register_with_its_import as _register_with_its_import
 from ._volume import Volume, read_volume
 
 
-def __getattr__(name: str) -> Any:
-    """The parts that not everybody needs are imported when they are first used."""
-    if name in ("big", "formats", "reports"):
-        import importlib
+if TYPE_CHECKING:
+    from . import big, formats, reports
+else:
 
-        return importlib.import_module(f".{name}", __name__)
-    raise AttributeError(f"module 'bitvox' has no attribute {name!r}")
+    def __getattr__(name: str) -> Any:
+        """The parts that not everybody needs are imported when they are first used."""
+        if name in ("big", "formats", "reports"):
+            return importlib.import_module(f".{name}", __name__)
+        raise AttributeError(f"module 'bitvox' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*__all__, "__version__", "big", "formats", "reports"})
 
 
 __version__ = _version()
-_register_if_there()
+_register_with_its_import()
 
 __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
@@ -83,5 +91,5 @@ __all__ = [
     "carry", "check", "compare", "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
     "find_seed", "from_sections", "loads", "lod", "merge", "plan_levels", "read", "read_points", "read_volume", "refine",
     "register_with_trimesh", "render", "repair", "settings", "simplify", "slice_mesh", "surface", "surface_counts", "voxelize",
-    "voxelize_points", "write", "write_levels",
+    "voxelize_points", "write", "write_levels", "big", "formats", "reports",
 ]

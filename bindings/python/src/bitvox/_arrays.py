@@ -11,7 +11,7 @@ from array import array as plain_array
 from typing import Any
 
 from ._errors import ArgumentError, RangeError, need
-from ._run import ffi, lib
+from ._run import ffi, in_range, lib
 
 _NUMPY: Any = None
 _LOOKED = False
@@ -322,8 +322,6 @@ def triple(name: str, values: Any, kind: type = float) -> tuple[Any, Any, Any]:
     if len(found) != 3:
         raise ArgumentError(f"{name} has {len(found)} numbers; it must have 3")
     if kind is int:
-        from ._run import in_range
-
         return tuple(in_range(name, x, -(2**31), 2**31 - 1) for x in found)  # type: ignore[return-value]
     return tuple(float(x) for x in found)  # type: ignore[return-value]
 

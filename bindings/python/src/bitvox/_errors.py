@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 
@@ -103,8 +104,6 @@ BY_CODE: dict[int, type[Error]] = {
 
 def need(module: str, extra: str, package: str | None = None) -> Any:
     """Import a module of an optional package, or say which extra brings it."""
-    import importlib
-
     try:
         return importlib.import_module(module)
     except ImportError as why:

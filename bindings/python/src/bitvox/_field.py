@@ -7,11 +7,11 @@ import os
 from typing import Any, Sequence
 
 from . import _arrays as arrays
-from ._errors import ArgumentError
+from ._calls import call, entered
+from ._errors import ArgumentError, need
 from ._grid import Grid
-from ._lattice import Lattice, WindowLike, set_window
-from ._mesh import Mesh, position_type
-from ._octree import with_positions
+from ._lattice import Lattice, WindowLike, place, set_window
+from ._mesh import Mesh, position_type, with_positions
 from ._records import record
 from ._run import SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, names_of, options_of
 
@@ -173,8 +173,6 @@ class Field:
 
     def to_pyvista(self, *, vectors: bool = False, far: str = "constant") -> Any:
         """A pyvista.ImageData with the cell data "distance" and, with ``vectors``, "vector"; ``far`` as for `to_numpy`."""
-        from ._errors import need
-
         pyvista, band = need("pyvista", "view"), self.band
         image = pyvista.ImageData(dimensions=tuple(n + 1 for n in self.shape), spacing=band.spacing, origin=band.corner)
         image.cell_data["distance"] = self.to_numpy("zyx", far=far).reshape(-1)
@@ -184,9 +182,7 @@ class Field:
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:
         """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd or .vti (or ``format``, in place of the ending)."""
-        from ._files import write
-
-        write(self, path, format=format, vectors=vectors)
+        call("write", self, path, format=format, vectors=vectors)
 
     def __repr__(self) -> str:
         x, y, z = self.shape
@@ -233,8 +229,6 @@ def field(
     Raises:
         ArgumentError: options that contradict each other. EmptyError: no triangle of area. RangeError, MemoryLimitError.
     """
-    from ._stages import place
-
     measure = function("bvx_measure_field")
     options = options_of("field_options")
     width = float(half_width) or math.inf

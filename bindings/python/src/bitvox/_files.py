@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import os
+import tempfile
 import warnings
 from typing import Any, Iterable
 
-from ._errors import ArgumentError, MemoryLimitError, UnsupportedError
+from ._bytes import format_of, read_bytes, umask, write_bytes
+from ._calls import call, entered
+from ._errors import ArgumentError, UnsupportedError
+from ._field import Field
 from ._grid import Grid, new_grid
+from ._image import Image
 from ._lattice import WindowLike, set_window
-from ._mesh import Mesh, new_mesh
-from ._run import Progress, Run, ffi, formats_in, function, lib, options_of
-from ._vti import without_blocks
+from ._mesh import Mesh, new_mesh, subtract
+from ._octree import Octree, states_of
+from ._run import Progress, Run, ffi, formats_in, function, lib, number_of, options_of
 from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
+from ._vti import without_blocks
 
 MESH_FORMATS = formats_in(lib.BVX_MESHES_READ)
 MESH_OUTPUTS = formats_in(lib.BVX_MESHES_WRITTEN)
@@ -21,69 +27,7 @@ _TREE_MAGIC = b"\x89BVO"
 _BESIDE = ("npy", "vox")  # the lattice stands in FILE.json
 
 
-def _format_of(path: str, format: str | None) -> str:
-    if format is not None:
-        return format.lower().lstrip(".")
-    name = path[:-3] if path.lower().endswith(".gz") else path
-    ending = os.path.splitext(name)[1].lower().lstrip(".")
-    if not ending:
-        raise ArgumentError(f"{path}: its name has no ending that tells the format; give format=")
-    return ending
-
-
-def _number(format: str) -> int:
-    number = getattr(lib, f"BVX_FORMAT_{format.upper()}", None)
-    if number is None:
-        raise UnsupportedError(f"this build of the library has no format {format!r}")
-    return number
-
-
-def read_bytes(path: str | os.PathLike[str], limit: int | None = None) -> bytes:
-    """A file's bytes; those of .gz unpacked; at most ``limit`` of them, packed or unpacked."""
-    import gzip
-    import io
-
-    def within(file: Any) -> bytes:
-        found = file.read() if limit is None else file.read(limit + 1)
-        if limit is not None and len(found) > limit:
-            raise MemoryLimitError(f"{os.fspath(path)}: holds more than the {limit} bytes that memory_limit leaves for it")
-        return found
-
-    with open(path, "rb") as file:
-        data = within(file)
-    packed = data[:2] == b"\x1f\x8b" and os.fspath(path).lower().endswith(".gz")
-    return within(gzip.GzipFile(fileobj=io.BytesIO(data))) if packed else data
-
-
-def write_bytes(path: str | os.PathLike[str], data: Any) -> None:
-    """Write a file whole or not at all: under another name beside it, then renamed; .gz is packed."""
-    import gzip
-    import tempfile
-
-    target = os.path.realpath(os.fspath(path))
-    if target.lower().endswith(".gz"):
-        data = gzip.compress(data, 6, mtime=0)
-    if os.path.exists(target) and not os.path.isfile(target):  # a pipe or a device
-        with open(target, "wb") as file:
-            file.write(data)
-        return
-    handle, beside = tempfile.mkstemp(prefix=".bitvox-", dir=os.path.dirname(target))
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        os.chmod(beside, os.stat(target).st_mode & 0o7777 if os.path.exists(target) else 0o666 & ~_umask())
-        os.replace(beside, target)
-    except BaseException:
-        os.unlink(beside)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
-
-
+@entered
 def read(path: str | os.PathLike[str], *, format: str | None = None, window: WindowLike = None, close_gap: float | None = None,
          drop_nonfinite: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
     """Read a mesh or a grid.
@@ -107,18 +51,17 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
         (`bitvox.formats`). MissingExtraError: which extra reads it. OSError: as `open`.
     """
     path = os.fspath(path)
-    kind = _format_of(path, format)
+    kind = format_of(path, format)
     if kind in MESH_FORMATS + GRID_FORMATS + SECTION_FORMATS:
         beside = path + ".json" if kind in _BESIDE and os.path.isfile(path + ".json") else None
         return loads(read_bytes(path), kind, window=window, close_gap=close_gap, lattice=None if beside is None else read_bytes(beside),
                      drop_nonfinite=drop_nonfinite, threads=threads, memory_limit=memory_limit, progress=progress)
     if window is not None or close_gap is not None or drop_nonfinite:
         raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off")
-    from .formats import read_other
-
-    return read_other(path, kind)
+    return call("read_other", path, kind)
 
 
+@entered
 def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None,
           close_gap: float | None = None, drop_nonfinite: bool = False, threads: int | None = None,
           memory_limit: int | None = None, progress: Progress = None) -> Any:
@@ -138,8 +81,6 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
         raise ArgumentError("close_gap is for sections")
     if drop_nonfinite and kind not in MESH_FORMATS:
         raise ArgumentError("drop_nonfinite is for meshes")
-    from ._octree import Octree
-
     with Run(threads, memory_limit, progress) as run:
         if kind in MESH_FORMATS:
             if window is not None or lattice is not None:
@@ -147,16 +88,16 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
             mesh = new_mesh()
             if drop_nonfinite:
                 dropped = ffi.new("uint64_t *")
-                run.check(lib.bvx_read_mesh_finite(run.context, held, len(held), _number(kind), dropped, mesh))
+                run.check(lib.bvx_read_mesh_finite(run.context, held, len(held), number_of(kind), dropped, mesh))
                 if dropped[0]:
                     warnings.warn(f"{dropped[0]} triangles with a corner that is not finite left out", stacklevel=3)
             else:
-                run.check(lib.bvx_read_mesh(run.context, held, len(held), _number(kind), mesh))
+                run.check(lib.bvx_read_mesh(run.context, held, len(held), number_of(kind), mesh))
             return Mesh._made(mesh)
         if kind in SECTION_FORMATS:
             if window is not None or lattice is not None:
                 raise ArgumentError("window and lattice are for grids")
-            return read_sections(held, _number(kind), close_gap, run)
+            return read_sections(held, number_of(kind), close_gap, run)
         if kind == "bvx" and bytes(ffi.buffer(held, min(4, len(held)))) == _TREE_MAGIC:
             if window is not None or lattice is not None:
                 raise ArgumentError("window and lattice are for grids; this file holds an octree")
@@ -167,7 +108,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
             grid = new_grid()
             box = ffi.new("bvx_window *")
             set_window("window", box, window)
-            run.check(lib.bvx_read_grid(run.context, held, len(held), _number(kind), box if window is not None else ffi.NULL, grid))
+            run.check(lib.bvx_read_grid(run.context, held, len(held), number_of(kind), box if window is not None else ffi.NULL, grid))
             if lattice is not None:
                 if window is not None:
                     raise ArgumentError("a window of a file with a lattice beside it: read it without, or read the .bvx")
@@ -177,6 +118,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     raise UnsupportedError(f"format {format!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}")
 
 
+@entered
 def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, normals: bool = False,
           origin: Any = None, allow_rounding: bool = False, threads: int | None = None, memory_limit: int | None = None,
           progress: Progress = None) -> bytes:
@@ -196,10 +138,6 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         UnsupportedError: a format that does not hold such a thing. RangeError: sizes or numbers beyond what it holds, and a mesh
         that rounding would spoil.
     """
-    from ._field import Field
-    from ._image import Image
-    from ._octree import Octree, states_of
-
     kind = format.lower().lstrip(".")
     out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
     if states is not None and not isinstance(thing, Octree):
@@ -214,31 +152,24 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         if isinstance(thing, Image) and kind == "png":
             return thing.png()
         if isinstance(thing, Grid) and kind in GRID_FORMATS:
-            run.check(lib.bvx_write_grid(run.context, thing._c, _number(kind), out))
+            run.check(lib.bvx_write_grid(run.context, thing._c, number_of(kind), out))
         elif isinstance(thing, Octree) and kind in ("vtu", "bvx"):
             chosen = states_of(states) if kind == "vtu" else 0
-            run.check(lib.bvx_write_octree(run.context, thing._c, chosen, _number(kind), out))
+            run.check(lib.bvx_write_octree(run.context, thing._c, chosen, number_of(kind), out))
         elif isinstance(thing, Sections) and kind in SECTION_OUTPUTS:
-            run.check(function("bvx_write_sections")(run.context, thing._struct(run), _number(kind), out))
+            run.check(function("bvx_write_sections")(run.context, thing._struct(run), number_of(kind), out))
         elif isinstance(thing, Field) and kind in ("npy", "nrrd", "vti"):
-            run.check(function("bvx_write_field")(run.context, thing._c, int(vectors), _number(kind), out))
+            run.check(function("bvx_write_field")(run.context, thing._c, int(vectors), number_of(kind), out))
         elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
             mesh = Mesh.of(thing)._struct(run)
-            _subtract(mesh, origin)
+            subtract(mesh, origin)
             options = options_of("write_options")
             options.normals = int(bool(normals))
             options.rounding = int(bool(allow_rounding))
-            run.check(lib.bvx_write_mesh_with(run.context, mesh, options, _number(kind), out))
+            run.check(lib.bvx_write_mesh_with(run.context, mesh, options, number_of(kind), out))
         else:
             raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}; {_outputs(thing)}")
     return bytes(ffi.buffer(out.bytes, out.size))
-
-
-def _subtract(mesh: Any, origin: Any) -> None:
-    """Positions in the file are less by the origin."""
-    if origin is not None:
-        x, y, z = (float(v) for v in origin)
-        mesh.frame = (mesh.frame[0] - x, mesh.frame[1] - y, mesh.frame[2] - z)
 
 
 def _outputs(thing: Any) -> str:
@@ -266,7 +197,7 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads
         what the format holds (4 GiB).
     """
     path = os.fspath(path)
-    kind = _format_of(path, None)
+    kind = format_of(path, None)
     if kind not in MESH_OUTPUTS:
         raise UnsupportedError(f"{path}: levels of detail are not written as {kind!r}; take .glb, or write one file a level")
     if isinstance(levels, Mesh):
@@ -278,10 +209,11 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads
         array = ffi.new("bvx_mesh[]", max(len(borrowed), 1))
         for i, one in enumerate(borrowed):
             array[i] = one[0]
-        run.check(function("bvx_write_levels")(run.context, array, len(borrowed), _number(kind), out))
+        run.check(function("bvx_write_levels")(run.context, array, len(borrowed), number_of(kind), out))
     write_bytes(path, bytes(ffi.buffer(out.bytes, out.size)))
 
 
+@entered
 def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False,
           normals: bool = False, origin: Any = None, allow_rounding: bool = False, threads: int | None = None,
           memory_limit: int | None = None, progress: Progress = None) -> None:
@@ -296,7 +228,7 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
         normals, origin, allow_rounding: of a mesh: as for `dumps`.
     """
     path = os.fspath(path)
-    kind = _format_of(path, format)
+    kind = format_of(path, format)
     data = dumps(thing, kind, states=states, vectors=vectors, normals=normals, origin=origin, allow_rounding=allow_rounding, threads=threads,
                  memory_limit=memory_limit, progress=progress)
     placed = thing.band if hasattr(thing, "band") else thing
@@ -330,8 +262,6 @@ class Writer:
     """
 
     def __init__(self, path: str | os.PathLike[str], lattice: Any, window: WindowLike = None) -> None:
-        import tempfile
-
         self._path = os.path.realpath(os.fspath(path))
         box = ffi.new("bvx_window *")
         set_window("window", box, window)
@@ -363,7 +293,7 @@ class Writer:
     def __exit__(self, kind: Any, *_: object) -> None:
         self._file.close()
         if kind is None and self._at == self._end:
-            os.chmod(self._beside, 0o666 & ~_umask())
+            os.chmod(self._beside, 0o666 & ~umask())
             os.replace(self._beside, self._path)
             return
         os.unlink(self._beside)

@@ -6,7 +6,8 @@ import os
 from typing import TYPE_CHECKING, Any, NamedTuple, Sequence
 
 from . import _arrays as arrays
-from ._errors import ArgumentError, EmptyError, FormatError
+from ._calls import call
+from ._errors import ArgumentError, EmptyError, FormatError, need
 from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
 from ._run import Progress, Run, choice, ffi, function, in_range, lib, options_of
@@ -620,14 +621,10 @@ class Grid:
 
     def surface(self, **options: Any) -> Any:
         """The closed surface; ``options`` are those of `bitvox.surface`."""
-        from ._stages import surface
-
-        return surface(self, **options)
+        return call("surface", self, **options)
 
     def to_pyvista(self) -> Any:
         """A pyvista.ImageData with the cell data "set" (uint8)."""
-        from ._errors import need
-
         pyvista = need("pyvista", "view")
         image = pyvista.ImageData(dimensions=tuple(n + 1 for n in self.shape), spacing=self.spacing, origin=self.corner)
         image.cell_data["set"] = self.to_numpy("zyx").reshape(-1).view("uint8")
@@ -638,15 +635,11 @@ class Grid:
         return self.to_pyvista().threshold(0.5, scalars="set").plot(**options)
 
     def _repr_png_(self) -> bytes | None:
-        from ._image import render
-
-        return render(self, size=(480, 360)).png() if self else None
+        return call("render", self, size=(480, 360)).png() if self else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
         """Write it to the file ``path``, in the format of its ending or in ``format``; see `bitvox.write`."""
-        from ._files import write
-
-        write(self, path, format=format)
+        call("write", self, path, format=format)
 
     def __repr__(self) -> str:
         x, y, z = self.shape

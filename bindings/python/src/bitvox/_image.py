@@ -6,7 +6,11 @@ import os
 from typing import Any, Sequence
 
 from . import _arrays as arrays
+from ._bytes import write_bytes
+from ._calls import entered
 from ._errors import ArgumentError
+from ._grid import Grid
+from ._mesh import Mesh
 from ._run import Progress, Run, ffi, in_range, lib, options_of
 
 
@@ -44,8 +48,6 @@ class Image:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a PNG file; ``path`` ends in .png."""
-        from ._files import write_bytes
-
         if not os.fspath(path).lower().endswith(".png"):
             raise ArgumentError(f"{os.fspath(path)}: pictures are written as .png")
         write_bytes(path, self.png())
@@ -61,6 +63,7 @@ def _colour(name: str, value: Sequence[int]) -> tuple[int, int, int, int]:
     return (*(in_range(name, x, 0, 255) for x in found), 0)  # type: ignore[return-value]
 
 
+@entered
 def render(
     source: Any,
     *,
@@ -106,9 +109,6 @@ def render(
         ArgumentError: options that contradict each other. EmptyError: nothing to see. LatticeError: grids that do not share
         lattice and window. RangeError, MemoryLimitError.
     """
-    from ._grid import Grid
-    from ._mesh import Mesh
-
     options = options_of("render_options")
     options.width, options.height = (in_range("size", n, 1, 16384) for n in size)
     if slices is not None:

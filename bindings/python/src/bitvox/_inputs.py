@@ -6,16 +6,16 @@ import os
 from typing import Any
 
 from . import _arrays as arrays
+from ._calls import call, entered
 from ._errors import ArgumentError, UnsupportedError
 from ._mesh import Mesh
 
 
+@entered
 def mesh_from(source: Any) -> Mesh:
     """See `Mesh.of`."""
     if isinstance(source, (str, os.PathLike)):
-        from ._files import read
-
-        found = read(source)
+        found = call("read", source)
         if not isinstance(found, Mesh):
             raise ArgumentError(f"{os.fspath(source)} holds a grid where a mesh is wanted")
         return found

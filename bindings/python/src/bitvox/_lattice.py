@@ -6,6 +6,7 @@ import math
 from typing import Any, NamedTuple, Sequence, Union
 
 from ._arrays import triple
+from ._calls import call
 from ._errors import ArgumentError, RangeError
 from ._run import Run, ffi, function, in_range, lib, options_of
 
@@ -77,9 +78,7 @@ class Lattice:
             padding: empty voxels added on every side.
             corner: low corner of voxel (0, 0, 0), with ``spacing`` and without ``padding``, in place of the mesh's own [world].
         """
-        from ._mesh import Mesh
-
-        source = Mesh.of(mesh)
+        source = call("mesh_of", mesh)
         with Run() as run:
             return cls._fitted(run, "bvx_lattice_fit_with", (source._view(run),), resolution, spacing, padding, corner)
 
@@ -91,10 +90,8 @@ class Lattice:
             points: (n, 3) numbers, or what `bitvox.voxelize_points` takes.
             resolution, spacing, padding, corner: as for `fit`.
         """
-        from ._points import points_view
-
         with Run() as run:
-            return cls._fitted(run, "bvx_lattice_fit_points", (points_view(points, run),), resolution, spacing, padding, corner)
+            return cls._fitted(run, "bvx_lattice_fit_points", (call("points_view", points, run),), resolution, spacing, padding, corner)
 
     @classmethod
     def fit_box(cls, low: Sequence[float], high: Sequence[float], *, resolution: Any = None, spacing: Any = None, padding: int = 0,
@@ -177,6 +174,17 @@ class Lattice:
 
     def __repr__(self) -> str:
         return f"Lattice(shape={self.shape}, spacing={self.spacing}, corner={self.corner})"
+
+
+def place(source: Any, resolution: Any, spacing: Any, padding: int, lattice: Lattice | None, corner: Any = None) -> Lattice:
+    """The lattice that was given, or one fitted to the mesh."""
+    if lattice is None:
+        return Lattice.fit(source, resolution=resolution, spacing=spacing, padding=padding, corner=corner)
+    given = {"resolution": resolution, "spacing": spacing, "padding": padding or None, "corner": corner}
+    for name, value in given.items():
+        if value is not None:
+            raise ArgumentError(f"{name} and lattice contradict each other; give one of them")
+    return lattice
 
 
 def _lattice_from(shape: Any, spacing: Any, corner: Any, fraction_bits: int) -> Lattice:

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any, Sequence, Union
 
 from . import _arrays as arrays
+from ._calls import entered
 from ._errors import ArgumentError, EmptyError
 from ._grid import Grid
 from ._lattice import Lattice
@@ -148,6 +149,7 @@ def _meshes(made: list[Any], reports: Any, carry_from: Mesh | None, limits: dict
 # ---- fewer triangles for a mesh as it is ----
 
 
+@entered
 def simplify(
     mesh: Any,
     *,

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+from array import array as plain_array
 from typing import TYPE_CHECKING, Any, Sequence
 
 from . import _arrays as arrays
-from ._errors import ArgumentError, RangeError
+from ._calls import call, entered
+from ._errors import ArgumentError, RangeError, need
 from ._records import record
-from ._run import Progress, Run, ffi, lib, quiet
+from ._run import Progress, Run, ffi, lib, number_of, quiet
 
 if TYPE_CHECKING:
     from .reports import Certificate, WriteReport
@@ -115,10 +117,8 @@ class Mesh:
         """
         if isinstance(source, cls):
             return source
-        from ._inputs import mesh_from
-
         with quiet():
-            return mesh_from(source)
+            return call("mesh_from", source)
 
     # ---- what it holds ----
 
@@ -249,9 +249,7 @@ class Mesh:
                 raise RangeError(f"vertex number {faces.max()} does not fit 32 bits")
             faces = np.ascontiguousarray(faces, np.uint32)
         elif faces.itemsize != 4:
-            from array import array
-
-            faces = memoryview(array("I", [i for row in faces.tolist() for i in row]))
+            faces = memoryview(plain_array("I", [i for row in faces.tolist() for i in row]))
         borrowed = arrays.borrow_vertices(positions)
         mesh.positions, mesh.position_type = borrowed.pointer, borrowed.kind
         mesh.triangles = ffi.cast("uint32_t *", arrays.address(faces))
@@ -317,13 +315,11 @@ class Mesh:
             A `bitvox.reports.WriteReport`: ``file``, the certificate with the positions as the file rounds them; what rounding moves,
             merges and spoils; and whether `bitvox.write` takes it without ``allow_rounding``.
         """
-        from ._files import _number, _subtract
-
         out = ffi.new("bvx_write_report *")
         with Run(threads, memory_limit, progress) as run:
             mesh = self._struct(run)
-            _subtract(mesh, origin)
-            run.check(lib.bvx_check_written(run.context, mesh, 1, _number(format.lower().lstrip(".")), out))
+            subtract(mesh, origin)
+            run.check(lib.bvx_check_written(run.context, mesh, 1, number_of(format.lower().lstrip(".")), out))
         return record(out)
 
     def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
@@ -372,9 +368,7 @@ class Mesh:
         Returns:
             A `Mesh` for one target, a list for several.
         """
-        from ._levels import simplify
-
-        return simplify(self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, colour_weight=colour_weight, open=open, strict=strict,
+        return call("simplify", self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, colour_weight=colour_weight, open=open, strict=strict,
                         samples=samples, carry=carry, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def content_hash(self) -> int:
@@ -421,15 +415,11 @@ class Mesh:
 
     def to_trimesh(self) -> Any:
         """A trimesh.Trimesh with the same vertices and faces, in the same order, and colours where there are any."""
-        from ._errors import need
-
         trimesh = need("trimesh", "formats")
         return trimesh.Trimesh(self.in_world(), self.faces.astype("int64"), vertex_colors=self._colours, process=False)
 
     def to_pyvista(self) -> Any:
         """A pyvista.PolyData; colours become the point data "colours"."""
-        from ._errors import need
-
         np = arrays.numpy("to_pyvista")
         pyvista = need("pyvista", "view")
         flat = np.empty((self.n_faces, 4), np.int64)
@@ -447,19 +437,37 @@ class Mesh:
         return self.to_pyvista().plot(**options)
 
     def _repr_png_(self) -> bytes | None:
-        from ._image import render
-
-        return render(self, size=(480, 360)).png() if self.n_faces else None
+        return call("render", self, size=(480, 360)).png() if self.n_faces else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, normals: bool = False, origin: Any = None,
              allow_rounding: bool = False) -> None:
         """Write it to the file ``path``, in the format of its ending or in ``format``; with smooth ``normals`` of the vertices too
         in .ply and .obj, less by an ``origin``; ``allow_rounding`` writes what it spoils. See `bitvox.write`."""
-        from ._files import write
-
-        write(self, path, format=format, normals=normals, origin=origin, allow_rounding=allow_rounding)
+        call("write", self, path, format=format, normals=normals, origin=origin, allow_rounding=allow_rounding)
 
 
 def new_mesh() -> Any:
     """An empty bvx_mesh that is freed with the last array over it."""
     return ffi.gc(ffi.new("bvx_mesh *"), lib.bvxpy_free_mesh)
+
+
+def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
+    """A mesh in the type asked for; None: float32, or float64 where float32 cannot tell neighbouring positions apart."""
+    with Run(**limits) as run:
+        options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
+        made = new_mesh()
+        run.check(make(run, made))
+    return Mesh._made(made)
+
+
+def subtract(mesh: Any, origin: Any) -> None:
+    """Positions in the file are less by the origin."""
+    if origin is not None:
+        x, y, z = (float(v) for v in origin)
+        mesh.frame = (mesh.frame[0] - x, mesh.frame[1] - y, mesh.frame[2] - z)
+
+
+@entered
+def mesh_of(source: Any) -> Mesh:
+    """`Mesh.of`, for modules below."""
+    return Mesh.of(source)

@@ -6,10 +6,11 @@ import os
 from typing import TYPE_CHECKING, Any, Iterable, Union
 
 from . import _arrays as arrays
+from ._calls import TABLE, call
 from ._errors import ArgumentError
 from ._grid import Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
-from ._mesh import Mesh, new_mesh, position_type
+from ._mesh import Mesh, with_positions
 from ._records import record
 from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
 
@@ -160,27 +161,14 @@ class Octree:
     def save(self, path: str | os.PathLike[str], *, states: States = None) -> None:
         """Write to ``path`` the whole octree (.bvx, which `bitvox.read` reads), or a VTK unstructured grid (.vtu) of the leaves
         in a set of states."""
-        from ._files import write
-
-        write(self, path, states=states)
+        call("write", self, path, states=states)
 
     def __reduce__(self) -> Any:
-        from ._files import dumps, loads
-
-        return loads, (dumps(self, "bvx"), "bvx")
+        return TABLE["loads"], (call("dumps", self, "bvx"), "bvx")
 
     def __repr__(self) -> str:
         counts = self.counts()
         return f"Octree({self.levels} levels, {sum(c.voxels - c.split for c in counts)} leaves)"
-
-
-def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
-    """A mesh in the type asked for; None: float32, or float64 where float32 cannot tell neighbouring positions apart."""
-    with Run(**limits) as run:
-        options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
-        made = new_mesh()
-        run.check(make(run, made))
-    return Mesh._made(made)
 
 
 def _base_of(run: Run, source: Mesh, base: Any, levels: int | None, resolution: int | None, options: Any) -> Lattice:

@@ -6,13 +6,14 @@ import os
 from typing import Any, Sequence
 
 from . import _arrays as arrays
+from ._bytes import format_of, read_bytes
+from ._calls import entered
 from ._errors import ArgumentError, UnsupportedError
-from ._files import _format_of, _number, read_bytes
 from ._grid import Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh
 from ._records import record
-from ._run import Progress, Run, ffi, formats_in, function, in_range, lib, options_of
+from ._run import Progress, Run, ffi, formats_in, function, in_range, lib, number_of, options_of
 
 POINT_FORMATS = formats_in(lib.BVX_POINTS_READ)
 
@@ -28,13 +29,13 @@ def read_points(path: str | os.PathLike[str], *, format: str | None = None, thre
     Raises:
         FormatError: what is wrong with which byte or line. EmptyError: no point.
     """
-    kind = _format_of(os.fspath(path), format)
+    kind = format_of(os.fspath(path), format)
     if kind not in POINT_FORMATS:
         raise UnsupportedError(f"format {kind!r} holds no points that are read; take one of {', '.join(POINT_FORMATS)}")
     held = ffi.from_buffer(read_bytes(path))
     out = new_mesh()
     with Run(threads, memory_limit, progress) as run:
-        run.check(function("bvx_read_points")(run.context, held, len(held), _number(kind), out))
+        run.check(function("bvx_read_points")(run.context, held, len(held), number_of(kind), out))
     dtype = "float32" if out.position_type == lib.BVX_F32 else "float64"
     return arrays.array_at(out.positions, dtype, (out.vertex_count, 3), out, writable=True)
 
@@ -50,6 +51,7 @@ def points_of(source: Any) -> Any:
     return source
 
 
+@entered
 def points_view(source: Any, run: Run) -> Any:
     """A bvx_mesh_view of points alone; run keeps what it points at."""
     view = ffi.new("bvx_mesh_view *")

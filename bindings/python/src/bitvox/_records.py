@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from . import reports
 from ._arrays import plain
+from ._lattice import Lattice
 from ._run import FILL_REASONS, FILLS, SIGN_RULES, ffi, name_of
 
 
@@ -14,8 +16,6 @@ def _plain_name(kind: Any) -> str:
 
 def record(struct: Any) -> Any:
     """A struct's values; what is 0 or 1 becomes a bool, a rule's number its name."""
-    from . import reports
-
     kind = ffi.typeof(struct)
     made = reports.BY_STRUCT[_plain_name(kind.item if kind.kind == "pointer" else kind)]
     return made(*(_value(field, wanted, getattr(struct, field)) for field, wanted in made.__annotations__.items()))
@@ -33,8 +33,6 @@ def _value(field: str, wanted: Any, value: Any) -> Any:
         return name_of(value, *_RULES[field])
     if isinstance(value, ffi.CData) and ffi.typeof(value).kind == "struct":
         if _plain_name(ffi.typeof(value)) == "bvx_lattice":
-            from ._lattice import Lattice
-
             return Lattice._of(value)
         return record(value)
     return plain(value)

@@ -14,7 +14,7 @@ import time
 from typing import Any, Callable, Iterator, NamedTuple, Union
 
 from . import _native
-from ._errors import BY_CODE, Error, RangeError, UnsupportedError, VersionError
+from ._errors import BY_CODE, ArgumentError, Error, RangeError, UnsupportedError, VersionError, need
 
 ffi, lib = _native.ffi, _native.lib
 
@@ -115,8 +115,6 @@ class _Bar:
     """tqdm as a progress callable."""
 
     def __init__(self) -> None:
-        from ._errors import need
-
         self.bar = need("tqdm.auto", "view").tqdm(total=100.0, unit="%", leave=False, bar_format="{desc} {bar} {n:.0f}%")
 
     def __call__(self, stage: str, fraction: float) -> None:
@@ -323,12 +321,17 @@ def choice(name: str, value: Any, prefix: str, names: dict[str, str] | tuple[str
         raise TypeError(f"{name} must be one of {', '.join(names)}, not {value!r}")
     plain = value.lower().replace("_", "-")
     if plain not in names:
-        from ._errors import ArgumentError
-
         raise ArgumentError(f"{name} is {value!r}; it must be one of {', '.join(names)}")
     number = getattr(lib, prefix + plain.upper().replace("-", "_"), None)
     if number is None:
         raise UnsupportedError(f"{name}={value!r}: this build of the library has no such rule")
+    return number
+
+
+def number_of(format: str) -> int:
+    number = getattr(lib, f"BVX_FORMAT_{format.upper()}", None)
+    if number is None:
+        raise UnsupportedError(f"this build of the library has no format {format!r}")
     return number
 
 

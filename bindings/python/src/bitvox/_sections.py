@@ -6,10 +6,13 @@ import os
 from typing import Any, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
+from ._calls import call
 from ._errors import ArgumentError
+from ._grid import Grid
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of
+from ._stages import collapsed, level_target, surface
 
 CAPS = names_of("BVX_CAPS_")
 NESTING = names_of("BVX_NESTING_")
@@ -135,9 +138,7 @@ class Sections:
 
     def save(self, path: Any, format: str | None = None) -> None:
         """Write to ``path``, by its ending or ``format``: .csl, .csv (planes z = position) or .svg (a drawing)."""
-        from ._files import write
-
-        write(self, path, format=format)
+        call("write", self, path, format=format)
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -170,9 +171,7 @@ def _stack_of(source: Any) -> Sections:
         return source
     if not isinstance(source, (str, os.PathLike)):
         return Sections(source)
-    from ._files import read
-
-    found = read(source)
+    found = call("read", source)
     if not isinstance(found, Sections):
         raise ArgumentError(f"{os.fspath(source)} holds no contours; .csl, .csv, .dxf and RTSTRUCT's .dcm do")
     return found
@@ -180,13 +179,8 @@ def _stack_of(source: Any) -> Sections:
 
 def _mesh_to_cut(source: Any, limits: dict[str, Any]) -> Mesh:
     """A mesh; a grid becomes its surface."""
-    from ._grid import Grid
-    from ._stages import surface
-
     if isinstance(source, (str, os.PathLike)):
-        from ._files import read
-
-        source = read(source)
+        source = call("read", source)
     return surface(source, dtype="float64", **limits) if isinstance(source, Grid) else Mesh.of(source)
 
 
@@ -239,8 +233,6 @@ def from_sections(
         EmptyError: no loop, or sections at one position alone. ArgumentError: several bodies and no ``label``; options that
         contradict each other. RangeError, MemoryLimitError.
     """
-    from ._stages import collapsed, level_target
-
     build = function("bvx_build_sections")
     targets = level_target(triangles, error, error_kind)
     if targets and caps == "open":
@@ -301,8 +293,6 @@ def slice_mesh(mesh: Any, *, axis: str | None = None, normal: Sequence[float] | 
         FormatError: the mesh is open where a plane meets it. EmptyError: no plane meets it. ArgumentError, RangeError,
         MemoryLimitError.
     """
-    from ._grid import Grid
-
     cut = function("bvx_slice_mesh")
     options = options_of("slice_options")
     if (spacing is None) == (positions is None):

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
+from ._calls import call, entered
 from ._errors import ArgumentError
 from ._field import EDGES
 from ._grid import Attached, Grid, new_grid
-from ._lattice import Lattice, WindowLike, set_window
-from ._mesh import Mesh, new_mesh
-from ._octree import with_positions
+from ._lattice import Lattice, WindowLike, place, set_window
+from ._mesh import Mesh, new_mesh, with_positions
 from ._records import record
 from ._run import FILLS, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, function, in_range, lib, names_of, options_of
 
@@ -21,17 +21,6 @@ OPERATIONS = names_of("BVX_BOOLEAN_")
 MODES = ("solid", "conservative", "thin", "sampled")
 THIN_CHECKS = ("auto", "never", "always")  # -1, 0, 1
 SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
-
-
-def place(source: Mesh, resolution: Any, spacing: Any, padding: int, lattice: Lattice | None, corner: Any = None) -> Lattice:
-    """The lattice that was given, or one fitted to the mesh."""
-    if lattice is None:
-        return Lattice.fit(source, resolution=resolution, spacing=spacing, padding=padding, corner=corner)
-    given = {"resolution": resolution, "spacing": spacing, "padding": padding or None, "corner": corner}
-    for name, value in given.items():
-        if value is not None:
-            raise ArgumentError(f"{name} and lattice contradict each other; give one of them")
-    return lattice
 
 
 def voxelize(
@@ -230,6 +219,7 @@ def find_pockets(surface: Grid, mesh: Any = None, *, threads: int | None = None,
     return arrays.array_at(seeds, "int32", (count[0], 3), seeds, writable=True)
 
 
+@entered
 def surface(
     grid: Grid,
     *,
@@ -565,9 +555,7 @@ def collapsed(made: Mesh, targets: dict[str, Any], limits: dict[str, Any]) -> Me
     """A closed mesh that a stage made, with fewer triangles where they are asked for."""
     if not targets or made.n_faces == 0:
         return made
-    from ._levels import simplify
-
-    return simplify(made, **targets, **limits)
+    return call("simplify", made, **targets, **limits)
 
 
 def boolean(

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import importlib.abc
+import importlib.util
 import sys
 from typing import Any
 
 from . import _arrays as arrays
+from ._errors import need
+from ._lattice import Lattice
+from ._stages import voxelize
 
 
 def voxelized(mesh: Any, pitch: float, **options: Any) -> Any:
@@ -15,10 +20,6 @@ def voxelized(mesh: Any, pitch: float, **options: Any) -> Any:
         mesh: a trimesh.Trimesh. pitch: edge of a voxel [world].
         options: those of `bitvox.voxelize` about rules, such as ``mode="conservative"`` or ``fill="vote"``; the default is the solid.
     """
-    from ._errors import need
-    from ._lattice import Lattice
-    from ._stages import voxelize
-
     np = arrays.numpy("trimesh")
     base, transformations = need("trimesh.voxel.base", "formats"), need("trimesh.transformations", "formats")
     low, high = (np.floor(np.asarray(corner) / pitch + 0.5) for corner in mesh.bounds)
@@ -28,16 +29,45 @@ def voxelized(mesh: Any, pitch: float, **options: Any) -> Any:
 
 
 def register() -> None:
-    """Put it into trimesh's table of voxelizers under the name "bitvox"; importing bitvox after trimesh does so itself."""
-    from ._errors import need
+    """Put it into trimesh's table of voxelizers under the name "bitvox"; as often as one likes. `import bitvox` does it too, whether
+    trimesh is imported before or after."""
+    table = need("trimesh.voxel.creation", "formats").voxelizers
+    if "bitvox" not in table:  # trimesh's table takes a name once
+        table["bitvox"] = voxelized
 
-    need("trimesh.voxel.creation", "formats").voxelizers["bitvox"] = voxelized
+
+class _WhenImported(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Watches for one import of trimesh's voxelizers and registers after it; everything else is left to the other finders."""
+
+    name = "trimesh.voxel.creation"
+
+    def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
+        if fullname != self.name:
+            return None
+        if self in sys.meta_path:
+            sys.meta_path.remove(self)
+        spec = importlib.util.find_spec(fullname)
+        if spec is not None and spec.loader is not None:
+            self.loader, spec.loader = spec.loader, self
+        return spec
+
+    def create_module(self, spec: Any) -> Any:
+        return self.loader.create_module(spec)
+
+    def exec_module(self, module: Any) -> None:
+        module.__spec__.loader = module.__loader__ = self.loader
+        self.loader.exec_module(module)
+        table = getattr(module, "voxelizers", None)
+        if table is not None and "bitvox" not in table:
+            table["bitvox"] = voxelized
 
 
-def register_if_there() -> None:
-    """`register`, when trimesh was imported before and has what it takes."""
-    if "trimesh" in sys.modules:
+def register_with_its_import() -> None:
+    """`register`, now when trimesh's voxelizers are there, else when they are imported."""
+    if _WhenImported.name in sys.modules:
         try:
             register()
         except Exception:  # trimesh without its own optional parts, or half imported: it works without us
             pass
+    elif not any(isinstance(finder, _WhenImported) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _WhenImported())

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import os
+import zlib
 from typing import Any, Iterable, Sequence
 
 from . import _arrays as arrays
+from ._bytes import format_of, read_bytes
+from ._calls import call
 from ._errors import ArgumentError, FormatError
 from ._grid import Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
-from ._mesh import Mesh
-from ._octree import with_positions
+from ._mesh import Mesh, with_positions
 from ._records import record
 from ._run import Progress, Rise, Run, choice, ffi, formats_in, in_range, lib, options_of
+from ._stages import SIDES, collapsed, level_target
+from ._vti import without_blocks
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
@@ -160,8 +164,6 @@ class Volume:
         Returns:
             A `Mesh` with uint32 faces; ``report`` of the volume tells what was counted.
         """
-        from ._stages import SIDES, collapsed, level_target
-
         targets = level_target(triangles, error, error_kind)
         if targets and (keys or open_sides):
             raise ArgumentError(f"{next(iter(targets))} and {'keys' if keys else 'open_sides'} contradict each other: parts of a surface are "
@@ -185,8 +187,6 @@ class Volume:
 
 @ffi.def_extern(error=1)
 def bvxpy_inflate(user: Any, packed: Any, packed_size: int, plain: Any, plain_size: int) -> int:
-    import zlib
-
     data = ffi.buffer(packed, packed_size)
     if packed_size == plain_size and data[:2] != b"\x1f\x8b":  # a data file that was unpacked by its ending
         ffi.memmove(plain, data, plain_size)
@@ -210,8 +210,6 @@ def bvxpy_inflate(user: Any, packed: Any, packed_size: int, plain: Any, plain_si
 
 def _data_files(run: Run, held: Any, path: str) -> bytes | None:
     """The bytes of the files that a detached head names; None when the samples follow the head."""
-    from ._files import read_bytes
-
     count = ffi.new("uint64_t *")
     run.check(lib.bvx_volume_data_name(run.context, held, len(held), 0, ffi.NULL, 0, count))
     pieces, name = [], ffi.new("char[]", 4096)
@@ -242,18 +240,13 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     Returns:
         A `Volume`. Use `Volume.threshold`, `Volume.surface` and `Volume.labels` to make something of it.
     """
-    from ._files import _format_of, read_bytes
-    from ._vti import without_blocks
-
     np = arrays.numpy("read_volume")
     path = os.fspath(path)
-    kind = "dcm" if format is None and os.path.isdir(path) else _format_of(path, format)
+    kind = "dcm" if format is None and os.path.isdir(path) else format_of(path, format)
     if kind in ("nii", "dcm"):
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
             raise ArgumentError(f"{path}: the file tells shape, dtype, spacing and corner itself")
-        from . import formats
-
-        return formats.read_nifti_volume(path) if kind == "nii" else formats.read_dicom_volume(path)
+        return call("read_nifti_volume" if kind == "nii" else "read_dicom_volume", path)
     if kind not in VOLUME_FORMATS:
         raise ArgumentError(f"{path}: format {kind!r} holds no volume; {', '.join(VOLUME_FORMATS)} do")
     options = options_of("read_volume_options")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 import os
+import re
 from typing import Any, Sequence
 
 from .. import _arrays as arrays
@@ -45,8 +46,6 @@ def read_images(source: Any, *, threshold: Any = None, labels: Any = None, spaci
 
 
 def _by_numbers(path: str) -> list[Any]:
-    import re
-
     return [(0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", path) if part]
 
 

@@ -9,6 +9,9 @@ from typing import Any
 
 from .._errors import EmptyError, FormatError, UnsupportedError, need
 from .._mesh import Mesh
+from .amf import read_amf
+from .dicom import is_picture, read_rtstruct
+from .dxf import read_dxf
 
 _OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml", "xyz")
 
@@ -18,18 +21,12 @@ def read_other(path: str, kind: str) -> Any:
     if kind == "nii":
         raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_nifti(path, threshold=...) is told so; bitvox.read_volume gives the samples")
     if kind == "dxf":
-        from .dxf import read_dxf
-
         return read_dxf(path)
     if kind == "dcm":
-        from .dicom import is_picture, read_rtstruct
-
         if is_picture(path):
             raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_dicom(folder, threshold=...) is told so; bitvox.read_volume gives the samples")
         return read_rtstruct(path)
     if kind == "amf":
-        from .amf import read_amf
-
         return read_amf(path)
     if kind not in _OTHERS:
         raise UnsupportedError(f"{path}: no format is known by the ending .{kind}")
