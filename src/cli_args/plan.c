@@ -24,6 +24,8 @@ enum {
     PLAN_GRIDS = CLI_FILL | CLI_MORPH | CLI_COMPONENTS | CLI_FACES | CLI_COMPARE | CLI_CONVERT
 };
 
+enum { MORPH_WEIGHT = 40 }; /* of each of its operations, one of which is done */
+
 static const plan_row plan_rows[] = {
     {PLAN_READERS, "read", 8, PLAN_FILES},
     {PLAN_READERS, "read samples", 1, PLAN_FILES},
@@ -46,23 +48,24 @@ static const plan_row plan_rows[] = {
     {CLI_CONVERT, "labels", 5, PLAN_ONCE},
     {CLI_FILL, "seeds", 40, PLAN_ONCE},
     {CLI_FILL, "fill", 40, PLAN_ONCE},
-    {CLI_COMPONENTS, "keep", 30, PLAN_ONCE},
+    {CLI_COMPONENTS, "keep", 12, PLAN_ONCE},
     {CLI_COMPONENTS, "components", 60, PLAN_ONCE},
     {CLI_COMPONENTS, "labels", 20, PLAN_ONCE},
-    {CLI_MORPH, "dilate", 90, PLAN_ONCE},
-    {CLI_MORPH, "erode", 90, PLAN_ONCE},
-    {CLI_MORPH, "open", 90, PLAN_ONCE},
-    {CLI_MORPH, "close", 90, PLAN_ONCE},
-    {CLI_MORPH, "hollow", 90, PLAN_ONCE},
-    {CLI_MORPH, "distance", 90, PLAN_ONCE},
+    {CLI_MORPH, "dilate", MORPH_WEIGHT, PLAN_ONCE},
+    {CLI_MORPH, "erode", MORPH_WEIGHT, PLAN_ONCE},
+    {CLI_MORPH, "open", MORPH_WEIGHT, PLAN_ONCE},
+    {CLI_MORPH, "close", MORPH_WEIGHT, PLAN_ONCE},
+    {CLI_MORPH, "hollow", MORPH_WEIGHT, PLAN_ONCE},
+    {CLI_MORPH, "distance", MORPH_WEIGHT, PLAN_ONCE},
     {CLI_REFINE, "refine", 40, PLAN_ONCE},
     {CLI_REFINE | CLI_CONVERT, "expand", 10, PLAN_ONCE},
     {CLI_REPAIR, "repair", 100, PLAN_ONCE},
     {CLI_BOOLEAN, "boolean", 70, PLAN_ONCE},
     {CLI_SECTIONS, "sections", 70, PLAN_ONCE},
     {CLI_SECTIONS, "blocks", 70, PLAN_ONCE},
-    {CLI_LOD | CLI_REFINE | CLI_CONVERT | CLI_SLICE, "surface", 10, PLAN_ONCE},
-    {CLI_FACES, "faces", 30, PLAN_ONCE},
+    {CLI_LOD | CLI_CONVERT | CLI_SLICE, "surface", 10, PLAN_ONCE},
+    {CLI_REFINE, "surface", 90, PLAN_ONCE},
+    {CLI_FACES, "faces", 10, PLAN_ONCE},
     {CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT, "simplify", 60, PLAN_ONCE},
     {CLI_SLICE, "slice", 40, PLAN_ONCE},
     {PLAN_CHAINS, "level", 90, PLAN_MADE},
@@ -71,14 +74,15 @@ static const plan_row plan_rows[] = {
     {PLAN_CHAINS, "carry", 10, PLAN_CARRIED},
     {PLAN_CHAINS, "distance", 50, PLAN_MEASURED},
     {CLI_COMPARE, "compare", 20, PLAN_ONCE},
-    {CLI_COMPARE, "check A", 10, PLAN_ONCE},
-    {CLI_COMPARE, "check B", 10, PLAN_ONCE},
+    {CLI_COMPARE, "check A", 3, PLAN_ONCE},
+    {CLI_COMPARE, "check B", 20, PLAN_ONCE},
     {CLI_REPAIR, "distance", 60, PLAN_ONCE},
     {CLI_REPAIR, "carry", 20, PLAN_ONCE},
     {CLI_INFO, "check", 15, PLAN_ONCE},
     {CLI_INFO, "check welded", 15, PLAN_ONCE},
     {CLI_INFO, "crossings", 60, PLAN_ONCE},
-    {CLI_BOOLEAN | CLI_SECTIONS | CLI_FACES | CLI_CONVERT, "check", 15, PLAN_ONCE},
+    {CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT, "check", 15, PLAN_ONCE},
+    {CLI_FACES, "check", 35, PLAN_ONCE},
     {CLI_COMPARE, "distance", 70, PLAN_ONCE},
     {CLI_ALL & ~CLI_INFO & ~CLI_COMPARE & ~CLI_RENDER, "check file", 2, PLAN_ONCE},
     {CLI_SLICE, "write", 70, PLAN_ONCE},
@@ -87,6 +91,36 @@ static const plan_row plan_rows[] = {
 };
 enum { PLAN_ROWS = sizeof plan_rows / sizeof plan_rows[0] };
 
+/* formats: BVX_..._READ or _WRITTEN. */
+static int is_name_of(const char *name, uint64_t formats)
+{
+    int32_t const format = name == NULL ? BVX_FORMAT_UNKNOWN : bvx_format_of_name(name);
+
+    return format > 0 && format < 32 && (formats >> format & 1) != 0;
+}
+
+/* What the kinds of files leave out, as far as their names tell. */
+static int suits_files(const cli_run *run, const char *stage)
+{
+    const cli_options *const o = run->options;
+    int32_t const bit = run->command->bit;
+    int const mesh_in = is_name_of(o->inputs > 0 ? o->input[0] : NULL, BVX_MESHES_WRITTEN);
+    int const mesh_out = is_name_of(o->output, BVX_MESHES_WRITTEN);
+
+    if (bit == CLI_COMPARE) {
+        if (strcmp(stage, "compare") == 0) return !mesh_in;
+        if (strncmp(stage, "check", 5) == 0 || strcmp(stage, "distance") == 0) return mesh_in;
+    }
+    if (bit == CLI_REFINE) {
+        if (strcmp(stage, "expand") == 0) return is_name_of(o->output, BVX_GRIDS_READ) && bvx_format_of_name(o->output) != BVX_FORMAT_BVX;
+        if (strcmp(stage, "surface") == 0) return mesh_out;
+    }
+    if (bit == CLI_CONVERT && mesh_in && mesh_out)
+        return strncmp(stage, "read", 4) == 0 || strcmp(stage, "parse") == 0 || strcmp(stage, "simplify") == 0 ||
+               strcmp(stage, "check file") == 0 || strcmp(stage, "write") == 0;
+    return 1;
+}
+
 /* What the options leave out. */
 static int is_planned(const cli_run *run, const plan_row *row)
 {
@@ -94,8 +128,8 @@ static int is_planned(const cli_run *run, const plan_row *row)
     const char *const s = row->stage;
     int32_t const bit = run->command->bit;
 
-    if ((row->commands & bit) == 0) return 0;
-    if (bit == CLI_MORPH && row->weight == 90) return strcmp(s, o->input[0]) == 0;
+    if ((row->commands & bit) == 0 || !suits_files(run, s)) return 0;
+    if (bit == CLI_MORPH && row->weight == MORPH_WEIGHT) return strcmp(s, o->input[0]) == 0;
     if (strcmp(s, "render") == 0) return o->turntable == 0;
     if (strcmp(s, "frames") == 0) return o->turntable != 0;
     if (strcmp(s, "compare fills") == 0) return o->compare_fills;
@@ -179,6 +213,13 @@ static double weight_of(const cli_run *run, const plan_row *row)
     double const usual = 20000.0, samples = run->options->samples < 0 ? usual : (double)run->options->samples;
 
     if (!is_planned(run, row)) return 0.0;
+    if (run->command->bit == CLI_REFINE && strcmp(row->stage, "write") == 0 && run->options->output != NULL) {
+        int32_t const format = bvx_format_of_name(run->options->output);
+
+        return format == BVX_FORMAT_VTU ? 400.0 : format == BVX_FORMAT_BVX ? 1.0 : 12.0; /* text; bits; triangles */
+    }
+    if (run->command->bit == CLI_VOXELIZE && strcmp(row->stage, "write") == 0 && run->options->mode == CLI_MODE_FIELD)
+        return 5.0 * row->weight;
     if (strcmp(row->stage, "distance") == 0 && run->command->bit != CLI_MORPH && run->command->bit != CLI_REPAIR)
         return row->weight * samples / usual;
     if (strcmp(row->stage, "level") == 0 && run->progress.made > 1) return row->weight / 9.0;

@@ -233,16 +233,28 @@ static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
 
 /* ---- all of it ---- */
 
+static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
+{
+    BVXI_TRY(bvxi_nearest_open(ctx, measure_name, measure_stage, 0.0, 0.15, job->mesh, lattice, &job->nearest));
+    BVXI_TRY(make_band(ctx, lattice, job));
+    return make_values(ctx, job);
+}
+
 static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
+    double measured; /* progress by then */
+    int solid;
+
     f->value_type = job->o.value_type;
     f->sign = job->o.sign;
     f->half_width = measure_width(lattice, job->o.half_width);
-    BVXI_TRY(bvxi_nearest_open(ctx, measure_name, measure_stage, 0.0, 0.15, job->mesh, lattice, &job->nearest));
-    BVXI_TRY(make_band(ctx, lattice, job));
-    BVXI_TRY(make_values(ctx, job));
-    BVXI_TRY(make_inside(ctx, job));
+
+    /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes or crossings. */
+    solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
+    measured = solid ? 0.84 : 1.0;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, measured, measure_distances_of(ctx, lattice, job)));
+    BVXI_TRY(BVXI_SHARE(ctx, solid ? measured : 0.0, 1.0, make_inside(ctx, job)));
     return negate_inside(ctx, f);
 }
 

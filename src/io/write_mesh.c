@@ -260,11 +260,13 @@ static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, c
     uint64_t before = 0, after = 0;
 
     if (rounded) {
-        BVXI_TRY(count_positions(ctx, mesh, &before));
-        BVXI_TRY(count_positions(ctx, file, &after));
+        BVXI_TRY(bvxi_progress(ctx, "check", 0.1));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, count_positions(ctx, mesh, &before)));
+        BVXI_TRY(bvxi_progress(ctx, "check", 0.3));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.5, count_positions(ctx, file, &after)));
     }
     report->merged = before - after;
-    return bvx_mesh_check(ctx, file, format == BVX_FORMAT_STL, &report->file);
+    return BVXI_SHARE(ctx, rounded ? 0.5 : 0.0, 1.0, bvx_mesh_check(ctx, file, format == BVX_FORMAT_STL, &report->file));
 }
 
 static bvx_status check_written_file(bvx_context *ctx, const char *name, const bvx_mesh *mesh, int32_t format,
@@ -277,6 +279,7 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
     double *positions = NULL;
     bvx_status status;
 
+    BVXI_TRY(bvxi_progress(ctx, "check", 0.0));
     bvx_mesh_view_of(mesh, &view);
     file = view;
     report->fits = 1;
@@ -343,8 +346,9 @@ static bvx_status run_check_written(bvx_context *context, const bvx_mesh *levels
 
     for (uint64_t l = 0; l < level_count; l++) {
         memset(&reports[l], 0, sizeof reports[l]);
-        BVXI_TRY(check_written_file(context, level_name(function, l, level_count, name), &levels[l], format, centre,
-                                    &reports[l]));
+        BVXI_TRY(BVXI_SHARE(context, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,
+                            check_written_file(context, level_name(function, l, level_count, name), &levels[l], format, centre,
+                                               &reports[l])));
     }
     return BVX_OK;
 }

@@ -116,17 +116,27 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
 
 enum { REPAIR_TAKE, REPAIR_NEEDS, REPAIR_SEARCH, REPAIR_INSIDE, REPAIR_SURFACE, REPAIR_FLATTEN, REPAIR_MEASURE, REPAIR_STEPS };
 
-/* Where each step ends in the call, by the time that each takes at 150 to 300 voxels. */
-static void plan_repair(const bvx_repair_options *o, double end[REPAIR_STEPS])
+/* Where each step ends in the call, by the time that each takes, in thousandths of a millisecond for a triangle of the input or a
+ * cell that the surface crosses, about. What is known of the mesh after the first step counts for those that follow. */
+static void plan_repair(const bvxi_repair_job *job, int first, double end[REPAIR_STEPS])
 {
-    double weight[REPAIR_STEPS] = {[REPAIR_TAKE] = 8, [REPAIR_INSIDE] = 25, [REPAIR_SURFACE] = 60, [REPAIR_FLATTEN] = 3};
-    double all = 0.0, sum = 0.0;
+    const bvx_repair_options *const o = job->options;
+    const bvx_certificate *const c = &job->report.before;
+    double const n = (double)job->given->triangle_count, side = o->resolution > 0 ? o->resolution : 128, cells = 1.2 * side * side;
+    int const taken = first > REPAIR_TAKE, sound = !taken || (c->boundary_edges == 0 && c->nonmanifold_edges == 0 && c->flipped_edges == 0);
+    double weight[REPAIR_STEPS] = {0}, all = 0.0, sum = 0.0;
+    double const begin = first > 0 ? end[first - 1] : 0.0;
 
-    if (o->report != NULL || o->if_needed) weight[REPAIR_NEEDS] = 12;
-    if (o->target_triangles != 0) weight[REPAIR_SEARCH] = 60;
-    if (o->report != NULL) weight[REPAIR_MEASURE] = o->measure ? 200 : 10;
-    for (int i = 0; i < REPAIR_STEPS; i++) all += weight[i];
-    for (int i = 0; i < REPAIR_STEPS; i++) end[i] = (sum += weight[i]) / all;
+    weight[REPAIR_TAKE] = 0.5 * n;
+    weight[REPAIR_NEEDS] = (o->report != NULL || o->if_needed) && sound ? n : 0.0;
+    weight[REPAIR_INSIDE] = n + 0.2 * cells + (sound ? 0.0 : n + 2.0 * cells);
+    weight[REPAIR_SURFACE] = 0.1 * n + (o->sharp != 0 ? 1.6 : 0.7) * cells;
+    weight[REPAIR_FLATTEN] = 0.1 * n + 0.05 * cells;
+    if (o->target_triangles != 0) weight[REPAIR_SEARCH] = 5.0 * weight[REPAIR_INSIDE];
+    if (o->report != NULL) weight[REPAIR_MEASURE] = 0.25 * cells + (o->measure ? 300e3 + 5.0 * n : 0.0);
+
+    for (int i = first; i < REPAIR_STEPS; i++) all += weight[i];
+    for (int i = first; i < REPAIR_STEPS; i++) end[i] = begin + (1.0 - begin) * ((sum += weight[i]) / all);
 }
 
 static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
@@ -142,8 +152,9 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
     uint64_t voxels;
     double end[REPAIR_STEPS];
 
-    plan_repair(job->options, end);
+    plan_repair(job, REPAIR_TAKE, end);
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, end[REPAIR_TAKE], bvxi_repair_take(job)));
+    plan_repair(job, REPAIR_NEEDS, end);
     BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_TAKE], end[REPAIR_NEEDS], bvxi_repair_needs(job)));
     if (job->options->if_needed && job->report.needs == BVX_NEEDS_NOTHING)
         return BVXI_SHARE(ctx, end[REPAIR_NEEDS], 1.0, bvxi_repair_copy(job, repaired));

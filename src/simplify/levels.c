@@ -204,7 +204,7 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     do {
         bvx_mesh made = {0};
 
-        BVXI_TRY(BVXI_SHARE(ctx, 1.0 - rest, 1.0 - rest * 0.9, measure_share(ctx, c, i, collapse, &part)));
+        BVXI_TRY(BVXI_SHARE(ctx, 1.0 - rest, 1.0 - rest * 0.76, measure_share(ctx, c, i, collapse, &part)));
         if (part > 1 && *met) break;
         BVXI_TRY(bvxi_collapse_give(collapse, &made));
         bvx_mesh_free(ctx, found);
@@ -213,7 +213,7 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 
         before = bvxi_collapse_triangles(collapse);
         level = part < 1 ? (uint64_t)((double)before * part) : before;
-        BVXI_TRY(bvxi_collapse_to(collapse, next_try(before, part), level, 1.0 - rest * 0.9, 1.0 - rest * 0.7));
+        BVXI_TRY(bvxi_collapse_to(collapse, next_try(before, part), level, 1.0 - rest * 0.76, 1.0 - rest * 0.7));
         rest *= 0.7;
     } while (part <= 1 && bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;

@@ -152,9 +152,9 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     plain.triangle_capacity = m->triangle_count;
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening", &plain.positions);
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles);
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.0, 0.15, bvxi_march_fill(ctx, m, &plain));
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.15, 0.6, place_cuts(ctx, c, report));
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.6, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.0, 0.05, bvxi_march_fill(ctx, m, &plain));
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.05, 0.4, place_cuts(ctx, c, report));
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.4, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
     bvxi_free(ctx, plain.triangles, triangle_bytes);
     bvxi_free(ctx, plain.positions, position_bytes);
     bvxi_free(ctx, c->planes, plane_bytes);

@@ -283,23 +283,34 @@ static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_latt
 
 /* ---- The whole ---- */
 
+/* Where the rule is chosen in the bar: looking for crossings takes long beside filling rows, and little beside winding numbers. */
+#define AUTO_CHOSEN 0.9
+#define AUTO_OPEN_CHOSEN 0.3
+
+static int is_auto_quick(int32_t fill)
+{
+    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO;
+}
+
 static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid, bvx_solid_report *report,
                                  int32_t *filled)
 {
     int32_t balanced;
 
     BVXI_TRY(bvxi_edges_balance(ctx, &w->job, 0.1, &balanced));
-    if (!balanced) return BVXI_SHARE(ctx, 0.1, 0.8, choose_unbalanced(ctx, w, &solid->lattice));
+    if (!balanced) return BVXI_SHARE(ctx, 0.1, AUTO_OPEN_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
 
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
-    if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice)) BVXI_TRY(try_parity(ctx, w, solid, report, filled));
-    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.1, 0.8, choose_balanced(ctx, w, &solid->lattice));
+    if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice)) 
+        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.4, try_parity(ctx, w, solid, report, filled)));
+    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.4, AUTO_CHOSEN, choose_balanced(ctx, w, &solid->lattice));
 }
 
 bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, bvxi_fill_by_name_fn *by_name, bvx_grid *solid,
                           bvx_solid_report *report)
 {
     int32_t filled = 0;
+    double chosen;
     bvx_status status;
     auto_work w;
 
@@ -311,7 +322,8 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     bvxi_free(ctx, w.representative, mesh->vertex_count * 4);
     bvxi_solid_close(ctx, &w.job);
 
-    if (status == BVX_OK && !filled) status = BVXI_SHARE(ctx, 0.8, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report));
+    chosen = is_auto_quick(w.choice.fill) ? AUTO_CHOSEN : AUTO_OPEN_CHOSEN;
+    if (status == BVX_OK && !filled) status = BVXI_SHARE(ctx, chosen, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report));
     bvxi_free(ctx, w.choice.index, mesh->triangle_count * 12);
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;

@@ -200,7 +200,8 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
 bvx_status bvxi_vote(bvx_context *ctx, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure, double from,
                      double to, bvx_solid_report *report)
 {
-    double const step = (to - from) / 4;
+    /* Beside many holes the last step takes nearly all of the time, without any nearly none. */
+    double const step = 0.4 * (to - from) / 3;
     vote_work w = {0};
     bvx_status status;
     w.solid = solid;

@@ -108,17 +108,19 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
 {
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
     int const more = o->fill != BVX_FILL_VOTE;
+    double const voted = !more ? 1.0 : o->fill == BVX_FILL_REGIONS ? 0.6 : 0.5; /* progress by then */
+    double const shelled = o->fill == BVX_FILL_REGIONS ? 0.9 : 0.8;
     uint64_t *sure = NULL;
     bvx_grid shell = {0};
     bvx_status status;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
-    status = bvxi_vote(ctx, job, more, solid, sure, 0.1, more ? 0.3 : 1.0, report);
+    status = bvxi_vote(ctx, job, more, solid, sure, 0.1, voted, report);
     if (status == BVX_OK && more) {
-        status = BVXI_SHARE(ctx, 0.3, 0.6, bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels));
+        status = BVXI_SHARE(ctx, voted, shelled, bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels));
         if (status == BVX_OK && o->fill == BVX_FILL_REGIONS)
-            status = BVXI_SHARE(ctx, 0.6, 1.0, bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
+            status = BVXI_SHARE(ctx, shelled, 1.0, bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
         if (status == BVX_OK && o->fill == BVX_FILL_FLOOD)
-            status = BVXI_SHARE(ctx, 0.6, 1.0, flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report));
+            status = BVXI_SHARE(ctx, shelled, 1.0, flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report));
         bvxi_shell_close(ctx, &shell);
     }
     bvxi_free(ctx, sure, bytes);
@@ -202,8 +204,8 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;
     checked = o.report != NULL ? 0.8 : 1.0;
-    shelled = o.check_edges ? 0.4 * checked : checked;
-    filled = o.add_shell ? 0.5 * shelled : shelled;
+    shelled = o.check_edges ? 0.6 * checked : checked;
+    filled = o.add_shell ? 0.6 * shelled : shelled;
     status = BVXI_SHARE(context, 0.0, filled, fill_the_grid(context, mesh, &o, &made, &report));
     if (status == BVX_OK && o.add_shell)
         status = BVXI_SHARE(context, filled, shelled, add_the_shell(context, mesh, &made, &report));

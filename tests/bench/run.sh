@@ -14,6 +14,7 @@
 #     BENCH_ONLY=volumes    thresholds and surfaces of scalar volumes alone
 #     BENCH_ONLY=components parts of grids alone
 #     BENCH_ONLY=levels     levels of detail beside other libraries alone
+#     BENCH_ONLY=progress   shares of the bar beside shares of the time of each call, and no more than that
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -125,6 +126,10 @@ measure_levels() {
     fi
 }
 
+if [ "$BENCH_ONLY" = progress ]; then
+    "$BENCHES/bench_progress" "$MESHES" | tee "$out/progress.md"
+    exit 0
+fi
 find_python
 if [ "$BENCH_ONLY" = levels ]; then
     measure_levels
