@@ -320,7 +320,16 @@ static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z,
 /** Types of positions and values. BVX_POSITION_AUTO is for the position_type of options: BVX_F32 where it tells neighbouring
  *  positions apart (its steps at the largest coordinate are at most 1/256 of a voxel), else BVX_F64; the mesh's own position_type
  *  says which. Simplifying, which has no voxels, keeps the mesh's type. Arrays of the caller's must be of the type that comes out. */
-enum { BVX_POSITION_AUTO = 0, BVX_F32 = 1, BVX_F64 = 2 };
+#define BVX_REAL_LIST(X)   \
+    X(BVX_F32, 1, "f32")   \
+    X(BVX_F64, 2, "f64")
+
+enum {
+    BVX_POSITION_AUTO = 0,
+#define BVX_REAL_LIST_ENUM(name, value, text) name = value,
+    BVX_REAL_LIST(BVX_REAL_LIST_ENUM)
+#undef BVX_REAL_LIST_ENUM
+};
 enum { BVX_U16 = 1, BVX_U32 = 2, BVX_U64 = 3 };
 
 /** Borrowed input: pointers into the caller's arrays. */
@@ -859,10 +868,18 @@ BVX_API bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid,
                                      const bvx_window *window, bvx_grid *result);
 
 /** When a block of voxels becomes a set voxel. */
+#define BVX_REDUCE_LIST(X)                \
+    X(BVX_REDUCE_ANY, 0, "any")           \
+        /**< one of its voxels is set */  \
+    X(BVX_REDUCE_ALL, 1, "all")           \
+        /**< all are */                   \
+    X(BVX_REDUCE_MAJORITY, 2, "majority") \
+        /**< more than half are */
+
 enum {
-    BVX_REDUCE_ANY = 0,     /**< one of its voxels is set */
-    BVX_REDUCE_ALL = 1,     /**< all are */
-    BVX_REDUCE_MAJORITY = 2 /**< more than half are */
+#define BVX_REDUCE_LIST_ENUM(name, value, text) name = value,
+    BVX_REDUCE_LIST(BVX_REDUCE_LIST_ENUM)
+#undef BVX_REDUCE_LIST_ENUM
 };
 
 /**
@@ -924,12 +941,21 @@ BVX_API bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, 
 /* ---- Surface voxelization ---------------------------------------------------------------------------------- */
 
 /** Which voxels are the surface. */
+#define BVX_SURFACE_LIST(X)                                                                     \
+    X(BVX_SURFACE_CONSERVATIVE, 0, "conservative")                                              \
+        /**< every voxel whose closed box meets a triangle: no 6-, 18- or 26-path leaks through \
+             */                                                                                 \
+    X(BVX_SURFACE_THIN, 1, "thin")                                                              \
+        /**< every voxel whose axis cross (three unit segments through its centre) meets a      \
+             triangle: no 6-path leaks through */                                               \
+    X(BVX_SURFACE_SAMPLED, 2, "sampled")                                                        \
+        /**< every voxel that holds a point of the triangles' subdivision into parts shorter    \
+             than a voxel: 26-connected; a flood may leak through */
+
 enum {
-    BVX_SURFACE_CONSERVATIVE = 0, /**< every voxel whose closed box meets a triangle: no 6-, 18- or 26-path leaks through */
-    BVX_SURFACE_THIN = 1,         /**< every voxel whose axis cross (three unit segments through its centre) meets a triangle: no
-                                       6-path leaks through */
-    BVX_SURFACE_SAMPLED = 2       /**< every voxel that holds a point of the triangles' subdivision into parts shorter than a voxel:
-                                       26-connected; a flood may leak through */
+#define BVX_SURFACE_LIST_ENUM(name, value, text) name = value,
+    BVX_SURFACE_LIST(BVX_SURFACE_LIST_ENUM)
+#undef BVX_SURFACE_LIST_ENUM
 };
 
 /** The triangles that touch each set voxel, by rank: set voxel number r, counted in the order of the grid's bits (z, y, x),
@@ -1060,17 +1086,33 @@ BVX_API void bvx_hollow_options_init(bvx_hollow_options *options, size_t size);
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options, bvx_grid *result);
 
 /** Which distances are wanted. */
+#define BVX_DISTANCE_LIST(X)                                                \
+    X(BVX_DISTANCE_OUTSIDE, 0, "outside")                                   \
+        /**< of every centre to the nearest set one: 0 on set voxels */     \
+    X(BVX_DISTANCE_INSIDE, 1, "inside")                                     \
+        /**< of every centre to the nearest empty one: 0 on empty voxels */ \
+    X(BVX_DISTANCE_SIGNED, 2, "signed")                                     \
+        /**< outside less inside: negative on set voxels, never 0 */
+
 enum {
-    BVX_DISTANCE_OUTSIDE = 0, /**< of every centre to the nearest set one: 0 on set voxels */
-    BVX_DISTANCE_INSIDE = 1,  /**< of every centre to the nearest empty one: 0 on empty voxels */
-    BVX_DISTANCE_SIGNED = 2   /**< outside less inside: negative on set voxels, never 0 */
+#define BVX_DISTANCE_LIST_ENUM(name, value, text) name = value,
+    BVX_DISTANCE_LIST(BVX_DISTANCE_LIST_ENUM)
+#undef BVX_DISTANCE_LIST_ENUM
 };
 
 /** What lies beyond the window. */
+#define BVX_BEYOND_LIST(X)              \
+    X(BVX_BEYOND_NOTHING, 0, "nothing") \
+        /**< no voxels at all */        \
+    X(BVX_BEYOND_EMPTY, 1, "empty")     \
+        /**< empty voxels */            \
+    X(BVX_BEYOND_SET, 2, "set")         \
+        /**< set voxels */
+
 enum {
-    BVX_BEYOND_NOTHING = 0, /**< no voxels at all */
-    BVX_BEYOND_EMPTY = 1,   /**< empty voxels */
-    BVX_BEYOND_SET = 2      /**< set voxels */
+#define BVX_BEYOND_LIST_ENUM(name, value, text) name = value,
+    BVX_BEYOND_LIST(BVX_BEYOND_LIST_ENUM)
+#undef BVX_BEYOND_LIST_ENUM
 };
 
 typedef struct bvx_distance_options {
@@ -1116,10 +1158,19 @@ BVX_API bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_gri
 /* ---- Refinement -------------------------------------------------------------------------------------------- */
 
 /** What an octree says of a voxel; as bits, so that they make sets. */
+#define BVX_STATE_LIST(X)                                                                     \
+    X(BVX_STATE_OUTSIDE, 1, "outside")                                                        \
+        /**< a flood from outside through faces of voxels reaches it (trees with a window: by \
+             rows) */                                                                         \
+    X(BVX_STATE_INSIDE, 2, "inside")                                                          \
+        /**< no triangle touches it, and it is not outside */                                 \
+    X(BVX_STATE_SURFACE, 4, "surface")                                                        \
+        /**< a triangle touches its closed box */
+
 enum {
-    BVX_STATE_OUTSIDE = 1, /**< a flood from outside through faces of voxels reaches it (trees with a window: by rows) */
-    BVX_STATE_INSIDE = 2,  /**< no triangle touches it, and it is not outside */
-    BVX_STATE_SURFACE = 4  /**< a triangle touches its closed box */
+#define BVX_STATE_LIST_ENUM(name, value, text) name = value,
+    BVX_STATE_LIST(BVX_STATE_LIST_ENUM)
+#undef BVX_STATE_LIST_ENUM
 };
 
 /** Voxels of several sizes: level 0 is a base lattice, each further level halves the voxels that triangles touch. */
@@ -1417,15 +1468,31 @@ BVX_API bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid,
 /* ---- Surface extraction ------------------------------------------------------------------------------------ */
 
 /** What happens on a cell face whose two diagonals differ. */
+#define BVX_FACE_LIST(X)                                             \
+    X(BVX_FACE_SEPARATE, 0, "separate")                              \
+        /**< set corners are kept apart: the solid is 6-connected */ \
+    X(BVX_FACE_JOIN, 1, "join")                                      \
+        /**< set corners are joined: the solid is 18-connected on faces */
+
 enum {
-    BVX_FACE_SEPARATE = 0, /**< set corners are kept apart: the solid is 6-connected */
-    BVX_FACE_JOIN = 1      /**< set corners are joined: the solid is 18-connected on faces */
+#define BVX_FACE_LIST_ENUM(name, value, text) name = value,
+    BVX_FACE_LIST(BVX_FACE_LIST_ENUM)
+#undef BVX_FACE_LIST_ENUM
 };
 
 /** Sides of the window that are left open (bits of open_sides). */
+#define BVX_SIDE_LIST(X)            \
+    X(BVX_OPEN_X_LOW, 1, "x-low")   \
+    X(BVX_OPEN_X_HIGH, 2, "x-high") \
+    X(BVX_OPEN_Y_LOW, 4, "y-low")   \
+    X(BVX_OPEN_Y_HIGH, 8, "y-high") \
+    X(BVX_OPEN_Z_LOW, 16, "z-low")  \
+    X(BVX_OPEN_Z_HIGH, 32, "z-high")
+
 enum {
-    BVX_OPEN_X_LOW = 1, BVX_OPEN_X_HIGH = 2, BVX_OPEN_Y_LOW = 4, BVX_OPEN_Y_HIGH = 8,
-    BVX_OPEN_Z_LOW = 16, BVX_OPEN_Z_HIGH = 32
+#define BVX_SIDE_LIST_ENUM(name, value, text) name = value,
+    BVX_SIDE_LIST(BVX_SIDE_LIST_ENUM)
+#undef BVX_SIDE_LIST_ENUM
 };
 
 typedef struct bvx_extract_options {
@@ -1503,9 +1570,22 @@ BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, u
 /* ---- Scalar volumes ------------------------------------------------------------------------------------------ */
 
 /** Types of samples, in this machine's byte order. */
+#define BVX_SAMPLE_LIST(X)      \
+    X(BVX_SAMPLE_U8, 1, "u8")   \
+    X(BVX_SAMPLE_I8, 2, "i8")   \
+    X(BVX_SAMPLE_U16, 3, "u16") \
+    X(BVX_SAMPLE_I16, 4, "i16") \
+    X(BVX_SAMPLE_U32, 5, "u32") \
+    X(BVX_SAMPLE_I32, 6, "i32") \
+    X(BVX_SAMPLE_U64, 7, "u64") \
+    X(BVX_SAMPLE_I64, 8, "i64") \
+    X(BVX_SAMPLE_F32, 9, "f32") \
+    X(BVX_SAMPLE_F64, 10, "f64")
+
 enum {
-    BVX_SAMPLE_U8 = 1, BVX_SAMPLE_I8 = 2, BVX_SAMPLE_U16 = 3, BVX_SAMPLE_I16 = 4, BVX_SAMPLE_U32 = 5, BVX_SAMPLE_I32 = 6,
-    BVX_SAMPLE_U64 = 7, BVX_SAMPLE_I64 = 8, BVX_SAMPLE_F32 = 9, BVX_SAMPLE_F64 = 10
+#define BVX_SAMPLE_LIST_ENUM(name, value, text) name = value,
+    BVX_SAMPLE_LIST(BVX_SAMPLE_LIST_ENUM)
+#undef BVX_SAMPLE_LIST_ENUM
 };
 
 /** Borrowed samples: one number at the centre of each voxel of a window. Sample (i,j,k) of the window stands at
@@ -1783,15 +1863,26 @@ BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field,
                                    int32_t vectors, float *values);
 
 /** Where the surface cuts a lattice edge whose ends A and B lie on either side. Always strictly inside the edge. */
+#define BVX_EDGE_LIST(X)                                                                         \
+    X(BVX_EDGE_VECTOR, 0, "vector")                                                              \
+        /**< where the line through the closest points of both ends passes nearest to the edge's \
+             line; where there is no such place, as SCALAR; where both have one closest point,   \
+             its projection */                                                                   \
+    X(BVX_EDGE_SCALAR, 1, "scalar")                                                              \
+        /**< where the signed distance, taken as linear, is 0 */                                 \
+    X(BVX_EDGE_MIDDLE, 2, "middle")                                                              \
+    X(BVX_EDGE_PAPER, 3, "paper")                                                                \
+        /**< VECTOR with the paper's clamps to the ends in place of SCALAR */                    \
+    X(BVX_EDGE_TANGENT, 4, "tangent")                                                            \
+        /**< where the planes cut the edge that touch the surface at the closest points: the one \
+             nearer to the inside where they make a ridge, nearer to the outside where they make \
+             a groove; where they tell neither, as VECTOR with the line kept between the closest \
+             points */
+
 enum {
-    BVX_EDGE_VECTOR = 0, /**< where the line through the closest points of both ends passes nearest to the edge's line; where there
-                              is no such place, as SCALAR; where both have one closest point, its projection */
-    BVX_EDGE_SCALAR = 1, /**< where the signed distance, taken as linear, is 0 */
-    BVX_EDGE_MIDDLE = 2,
-    BVX_EDGE_PAPER = 3,  /**< VECTOR with the paper's clamps to the ends in place of SCALAR */
-    BVX_EDGE_TANGENT = 4 /**< where the planes cut the edge that touch the surface at the closest points: the one nearer to the
-                              inside where they make a ridge, nearer to the outside where they make a groove; where they tell
-                              neither, as VECTOR with the line kept between the closest points */
+#define BVX_EDGE_LIST_ENUM(name, value, text) name = value,
+    BVX_EDGE_LIST(BVX_EDGE_LIST_ENUM)
+#undef BVX_EDGE_LIST_ENUM
 };
 
 typedef struct bvx_field_surface_report {
@@ -1842,11 +1933,20 @@ BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_fie
 /* ---- Booleans of meshes ------------------------------------------------------------------------------------- */
 
 /** What becomes of two bodies. */
+#define BVX_BOOLEAN_LIST(X)                        \
+    X(BVX_BOOLEAN_UNION, 0, "union")               \
+        /**< what lies in a or in b */             \
+    X(BVX_BOOLEAN_INTERSECTION, 1, "intersection") \
+        /**< what lies in both */                  \
+    X(BVX_BOOLEAN_DIFFERENCE, 2, "difference")     \
+        /**< what lies in a and not in b */        \
+    X(BVX_BOOLEAN_XOR, 3, "xor")                   \
+        /**< what lies in one of them alone */
+
 enum {
-    BVX_BOOLEAN_UNION = 0,        /**< what lies in a or in b */
-    BVX_BOOLEAN_INTERSECTION = 1, /**< what lies in both */
-    BVX_BOOLEAN_DIFFERENCE = 2,     /**< what lies in a and not in b */
-    BVX_BOOLEAN_XOR = 3           /**< what lies in one of them alone */
+#define BVX_BOOLEAN_LIST_ENUM(name, value, text) name = value,
+    BVX_BOOLEAN_LIST(BVX_BOOLEAN_LIST_ENUM)
+#undef BVX_BOOLEAN_LIST_ENUM
 };
 
 typedef struct bvx_boolean_report {
@@ -2020,27 +2120,52 @@ typedef struct bvx_sections {
 BVX_API void bvx_sections_free(bvx_context *context, bvx_sections *sections);
 
 /** How a body ends at its first and last section. */
+#define BVX_CAPS_LIST(X)                                                                         \
+    X(BVX_CAPS_FLAT, 0, "flat")                                                                  \
+        /**< on the section's plane */                                                           \
+    X(BVX_CAPS_TAPER, 1, "taper")                                                                \
+        /**< each part (a loop with the holes in it) runs to a ridge half a spacing beyond: at a \
+             height of t half spacings it is the part less all that lies within t times its half \
+             width of its contour; also the parts of other sections that have nothing in common  \
+             with the next one */                                                                \
+    X(BVX_CAPS_OPEN, 2, "open")                                                                  \
+        /**< not at all: the mesh has boundary edges there */
+
 enum {
-    BVX_CAPS_FLAT = 0,  /**< on the section's plane */
-    BVX_CAPS_TAPER = 1, /**< each part (a loop with the holes in it) runs to a ridge half a spacing beyond: at a height of t half
-                             spacings it is the part less all that lies within t times its half width of its contour; also the
-                             parts of other sections that have nothing in common with the next one */
-    BVX_CAPS_OPEN = 2   /**< not at all: the mesh has boundary edges there */
+#define BVX_CAPS_LIST_ENUM(name, value, text) name = value,
+    BVX_CAPS_LIST(BVX_CAPS_LIST_ENUM)
+#undef BVX_CAPS_LIST_ENUM
 };
 
 /** Where the surface meets the grid's edges on a section plane. */
+#define BVX_CROSSINGS_LIST(X)                                                                   \
+    X(BVX_CROSSINGS_EXACT, 0, "exact")                                                          \
+        /**< where the contour does; all of the contour is in the mesh */                       \
+    X(BVX_CROSSINGS_PAPER, 1, "paper")                                                          \
+        /**< by interpolated distances; contour points are put into the lines that join them */ \
+    X(BVX_CROSSINGS_CLASSIC, 2, "classic")                                                      \
+        /**< by interpolated distances alone: marching cubes */
+
 enum {
-    BVX_CROSSINGS_EXACT = 0,   /**< where the contour does; all of the contour is in the mesh */
-    BVX_CROSSINGS_PAPER = 1,   /**< by interpolated distances; contour points are put into the lines that join them */
-    BVX_CROSSINGS_CLASSIC = 2  /**< by interpolated distances alone: marching cubes */
+#define BVX_CROSSINGS_LIST_ENUM(name, value, text) name = value,
+    BVX_CROSSINGS_LIST(BVX_CROSSINGS_LIST_ENUM)
+#undef BVX_CROSSINGS_LIST_ENUM
 };
 
 /** What is blended between two sections whose loops lie in each other. */
+#define BVX_NESTING_LIST(X)                                                                      \
+    X(BVX_NESTING_LEVELS, 0, "levels")                                                           \
+        /**< each level apart, and cut out of the one around it: outer loops, the holes in them, \
+             the islands in these. A wall stays a wall however far it is shifted. Holes that     \
+             overlap no hole of the other section are blended with what is around them */        \
+    X(BVX_NESTING_WHOLE, 1, "whole")                                                             \
+        /**< the sections as they are: a wall that shares no area with the next section's gets   \
+             windows */
+
 enum {
-    BVX_NESTING_LEVELS = 0, /**< each level apart, and cut out of the one around it: outer loops, the holes in them, the islands in these.
-                                 A wall stays a wall however far it is shifted. Holes that overlap no hole of the other section
-                                 are blended with what is around them */
-    BVX_NESTING_WHOLE = 1   /**< the sections as they are: a wall that shares no area with the next section's gets windows */
+#define BVX_NESTING_LIST_ENUM(name, value, text) name = value,
+    BVX_NESTING_LIST(BVX_NESTING_LIST_ENUM)
+#undef BVX_NESTING_LIST_ENUM
 };
 
 enum { BVX_SECTIONS_LOCATED = 16, BVX_LABEL_ONLY = -2147483647 - 1 };
@@ -2167,10 +2292,19 @@ enum {
 };
 
 /** Walls of closed bodies thinner than 1.5 voxels, where no centre inside shows them. */
+#define BVX_THIN_LIST(X)                                                                        \
+    X(BVX_THIN_SHELL, 0, "shell")                                                               \
+        /**< pieces that the solid misses become shells, as sheets do; what else no centre lies \
+             in is lost, and reported */                                                        \
+    X(BVX_THIN_KEEP, 1, "keep")                                                                 \
+        /**< they are kept, closed and whole, about as thick as they are */                     \
+    X(BVX_THIN_DROP, 2, "drop")                                                                 \
+        /**< what no centre lies in is lost, and reported */
+
 enum {
-    BVX_THIN_SHELL = 0, /**< pieces that the solid misses become shells, as sheets do; what else no centre lies in is lost, and reported */
-    BVX_THIN_KEEP = 1,  /**< they are kept, closed and whole, about as thick as they are */
-    BVX_THIN_DROP = 2   /**< what no centre lies in is lost, and reported */
+#define BVX_THIN_LIST_ENUM(name, value, text) name = value,
+    BVX_THIN_LIST(BVX_THIN_LIST_ENUM)
+#undef BVX_THIN_LIST_ENUM
 };
 
 typedef struct bvx_repair_report {
@@ -2272,17 +2406,34 @@ BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, c
 /* ---- Levels of detail ---------------------------------------------------------------------------------------- */
 
 /** What a level's error is. */
+#define BVX_ERROR_LIST(X)                            \
+    X(BVX_ERROR_MEAN, 0, "mean")                     \
+        /**< mean distance, of both ways the mean */ \
+    X(BVX_ERROR_MAX, 1, "max")                       \
+        /**< largest distance, of both ways the greater */
+
 enum {
-    BVX_ERROR_MEAN = 0, /**< mean distance, of both ways the mean */
-    BVX_ERROR_MAX = 1   /**< largest distance, of both ways the greater */
+#define BVX_ERROR_LIST_ENUM(name, value, text) name = value,
+    BVX_ERROR_LIST(BVX_ERROR_LIST_ENUM)
+#undef BVX_ERROR_LIST_ENUM
 };
 
 /** What becomes of a mesh with borders when it is simplified. */
+#define BVX_OPEN_LIST(X)                                                                         \
+    X(BVX_OPEN_SHELL, 0, "shell")                                                                \
+        /**< bvx_build_levels: open sheets become thin closed shells; bvx_mesh_simplify: refused \
+             */                                                                                  \
+    X(BVX_OPEN_KEEP, 1, "keep")                                                                  \
+        /**< borders stay borders; edges of three triangles and more, or between triangles that  \
+             cannot agree on their sides, are refused */                                         \
+    X(BVX_OPEN_CUT, 2, "cut")                                                                    \
+        /**< as KEEP, but the sheet is cut along such edges: all their triangles get borders     \
+             there */
+
 enum {
-    BVX_OPEN_SHELL = 0, /**< bvx_build_levels: open sheets become thin closed shells; bvx_mesh_simplify: refused */
-    BVX_OPEN_KEEP = 1,  /**< borders stay borders; edges of three triangles and more, or between triangles that cannot agree on
-                             their sides, are refused */
-    BVX_OPEN_CUT = 2    /**< as KEEP, but the sheet is cut along such edges: all their triangles get borders there */
+#define BVX_OPEN_LIST_ENUM(name, value, text) name = value,
+    BVX_OPEN_LIST(BVX_OPEN_LIST_ENUM)
+#undef BVX_OPEN_LIST_ENUM
 };
 
 typedef struct bvx_level_report {
@@ -2352,11 +2503,20 @@ BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *
                                      uint64_t level_count, bvx_mesh *levels);
 
 /** What levels are made from. */
+#define BVX_LEVELS_LIST(X)                                                                      \
+    X(BVX_LEVELS_AUTO, 0, "auto")                                                               \
+        /**< the mesh itself where it is closed, manifold, oriented and its levels do not cross \
+             themselves, else its measured surface; that too where the mesh itself would exceed \
+             the memory limit */                                                                \
+    X(BVX_LEVELS_MESH, 1, "mesh")                                                               \
+        /**< the mesh itself: closed, manifold and oriented */                                  \
+    X(BVX_LEVELS_MEASURED, 2, "measured")                                                       \
+        /**< the surface that bvx_repair makes of the mesh */
+
 enum {
-    BVX_LEVELS_AUTO = 0,     /**< the mesh itself where it is closed, manifold, oriented and its levels do not cross themselves, else its
-                                  measured surface; that too where the mesh itself would exceed the memory limit */
-    BVX_LEVELS_MESH = 1,     /**< the mesh itself: closed, manifold and oriented */
-    BVX_LEVELS_MEASURED = 2  /**< the surface that bvx_repair makes of the mesh */
+#define BVX_LEVELS_LIST_ENUM(name, value, text) name = value,
+    BVX_LEVELS_LIST(BVX_LEVELS_LIST_ENUM)
+#undef BVX_LEVELS_LIST_ENUM
 };
 
 /** Why levels were made from the measured surface: the first of these that holds. */

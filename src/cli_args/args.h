@@ -188,6 +188,11 @@ typedef struct cli_argument {
 
 /* The rules of --fill by BVX_FILL_..., and the modes of voxelize by CLI_MODE_...; NULL behind the last. */
 extern const char *const cli_fill_names[], *const cli_fill_reasons[], *const cli_mode_names[];
+/* The names of a list of the header, in the order of their numbers. */
+#define CLI_NAME_OF(name, value, text) text,
+
+/* By BVX_SAMPLE_..., from BVX_SAMPLE_U8. */
+extern const char *const cli_sample_names[];
 /* By BVX_SIGN_... */
 extern const char *const cli_sign_names[];
 /* Row i of the table, NULL behind the last; one name may stand in several rows for different commands. */

@@ -40,44 +40,43 @@
 #define WRITES_MESHES (REDUCES | MAKES_LEVELS | CLI_FACES | CLI_CONVERT | CLI_REFINE)
 
 /* Names come from the header's lists, in the order of their numbers; "" cannot be asked for, NULL ends. */
-#define NAME_OF(name, value, text) text,
 #define SIGN_OF_REPAIR(name, value, text) (BVX_SIGNS_OF_REPAIR >> (value) & 1) != 0 ? text : "",
 #define FILL_OF_BOOLEAN(name, value, text) (BVX_FILLS_OF_BOOLEAN >> (value) & 1) != 0 ? text : "",
+#define OPEN_INPUT(name, value, text) (value) == BVX_OPEN_SHELL ? "refuse" : text,
 #define FORMAT_ASKED_FOR(name, value, text) [value] = (value) == BVX_FORMAT_PNG ? "" : (value) == BVX_FORMAT_SVG ? NULL : text,
 
-static const char *const method_names[] = {BVX_LOD_LIST(NAME_OF) "collapse", NULL};
-static const char *const error_names[] = {"mean", "max", NULL};
-static const char *const source_names[] = {"auto", "mesh", "measured", NULL};
-const char *const cli_fill_names[] = {BVX_FILL_LIST(NAME_OF) NULL};
-const char *const cli_mode_names[] = {"solid", "conservative", "thin", "sampled", "field", NULL};
-const char *const cli_sign_names[] = {BVX_SIGN_LIST(NAME_OF) NULL};
+static const char *const method_names[] = {BVX_LOD_LIST(CLI_NAME_OF) "collapse", NULL};
+static const char *const error_names[] = {BVX_ERROR_LIST(CLI_NAME_OF) NULL};
+static const char *const source_names[] = {BVX_LEVELS_LIST(CLI_NAME_OF) NULL};
+const char *const cli_fill_names[] = {BVX_FILL_LIST(CLI_NAME_OF) NULL};
+const char *const cli_mode_names[] = {"solid", BVX_SURFACE_LIST(CLI_NAME_OF) "field", NULL};
+const char *const cli_sign_names[] = {BVX_SIGN_LIST(CLI_NAME_OF) NULL};
 static const char *const repair_sign_names[] = {BVX_SIGN_LIST(SIGN_OF_REPAIR) NULL};
 static const char *const boolean_fill_names[] = {BVX_FILL_LIST(FILL_OF_BOOLEAN) NULL};
-static const char *const edge_names[] = {"vector", "scalar", "middle", "paper", "tangent", NULL};
-static const char *const value_type_names[] = {"f32", "f64", NULL};
+static const char *const edge_names[] = {BVX_EDGE_LIST(CLI_NAME_OF) NULL};
+static const char *const value_type_names[] = {BVX_REAL_LIST(CLI_NAME_OF) NULL};
 static const char *const axis_names[] = {"x", "y", "z", NULL};
-static const char *const state_names[] = {"outside", "inside", "surface", NULL};
+static const char *const state_names[] = {BVX_STATE_LIST(CLI_NAME_OF) NULL};
 static const char *const connectivity_names[] = {"6", "18", "26", NULL};
-static const char *const side_names[] = {"x-low", "x-high", "y-low", "y-high", "z-low", "z-high", NULL};
-static const char *const distance_names[] = {"outside", "inside", "signed", NULL};
-static const char *const beyond_names[] = {"nothing", "empty", "set", NULL}; /* by BVX_BEYOND_... */
+static const char *const side_names[] = {BVX_SIDE_LIST(CLI_NAME_OF) NULL};
+static const char *const distance_names[] = {BVX_DISTANCE_LIST(CLI_NAME_OF) NULL};
+static const char *const beyond_names[] = {BVX_BEYOND_LIST(CLI_NAME_OF) NULL};
 static const char *const auto_names[] = {"auto", NULL};
-static const char *const caps_names[] = {"flat", "taper", "open", NULL};
-static const char *const nesting_names[] = {"levels", "whole", NULL};
-static const char *const crossings_names[] = {"exact", "paper", "classic", NULL};
+static const char *const caps_names[] = {BVX_CAPS_LIST(CLI_NAME_OF) NULL};
+static const char *const nesting_names[] = {BVX_NESTING_LIST(CLI_NAME_OF) NULL};
+static const char *const crossings_names[] = {BVX_CROSSINGS_LIST(CLI_NAME_OF) NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
 static const char *const check_thin_names[] = {"auto", "never", "always", NULL}; /* -1, 0, 1 */
-static const char *const thin_names[] = {"shell", "keep", "drop", NULL};
-/* By BVX_SAMPLE_... */
-static const char *const sample_type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64", NULL};
+static const char *const thin_names[] = {BVX_THIN_LIST(CLI_NAME_OF) NULL};
+const char *const cli_sample_names[] = {BVX_SAMPLE_LIST(CLI_NAME_OF) NULL};
 /* By BVX_FORMAT_...; glb and vtu are only written, png and svg are not asked for. A gap ends the names before those of contours. */
 static const char *const every_format[] = {BVX_FORMAT_LIST(FORMAT_ASKED_FOR)};
 #define FORMAT_NAMES (every_format + BVX_FORMAT_STL)
 #define CONTOUR_FORMAT_NAMES (every_format + BVX_FORMAT_CSL)
 
-/* By BVX_OPEN_..., of lod and then of simplify. */
-static const char *const open_names[] = {"shell", "keep", "cut", NULL};
-static const char *const open_input_names[] = {"refuse", "keep", "cut", NULL};
+/* Of lod and then of simplify. */
+static const char *const open_names[] = {BVX_OPEN_LIST(CLI_NAME_OF) NULL};
+static const char *const open_input_names[] = {BVX_OPEN_LIST(OPEN_INPUT) NULL};
 
 static const cli_argument arguments[] = {
     FILE_NAME("-o", "FILE", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS | CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH | CLI_COMPONENTS | CLI_SIMPLIFY, output,
@@ -184,7 +183,7 @@ static const cli_argument arguments[] = {
     FLAG("--all-labels", CLI_VOXELIZE, all_labels, "of a label map: a mesh for each value but 0, to OUT_%d.EXT"),
     FLAG("--below", TAKES_VOLUMES, below, "with --level: what lies below it is inside"),
     LIST("--shape", "X,Y,Z", TAKES_VOLUMES, shape, 1, LARGEST_SIDE, 3, 3, "samples along each axis of a .raw file, x fastest"),
-    CHOICE("--sample-type", "TYPE", TAKES_VOLUMES, sample_type, sample_type_names, BVX_SAMPLE_U8,
+    CHOICE("--sample-type", "TYPE", TAKES_VOLUMES, sample_type, cli_sample_names, BVX_SAMPLE_U8,
            "of a .raw file: u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64"),
     FLAG("--big-endian", TAKES_VOLUMES, big_endian, "the samples of a .raw file have their highest byte first"),
     LONG("--skip", "BYTES", TAKES_VOLUMES, skip, 0, 9007199254740992.0, "bytes before the samples of a .raw file [0]"),

@@ -24,7 +24,7 @@ typedef struct boolean_run {
     cli_reduction reduction;
 } boolean_run;
 
-static const char *const operation_names[] = {"union", "intersection", "difference", "xor"};
+static const char *const operation_names[] = {BVX_BOOLEAN_LIST(CLI_NAME_OF) NULL};
 
 /* ---- Options ---- */
 

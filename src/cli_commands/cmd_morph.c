@@ -232,7 +232,7 @@ static double value_at(const bvx_field *f, uint64_t i)
 
 static void tell_distances(cli_run *run, const morph_job *job, const bvx_field *f)
 {
-    static const char *const sides[3] = {"outside", "inside", "signed"};
+    static const char *const sides[] = {BVX_DISTANCE_LIST(CLI_NAME_OF)};
     cli_text *const t = &run->report.more;
     double least = value_at(f, 0), greatest = least;
     for (uint64_t i = 1; i < f->value_count; i++) {

@@ -93,10 +93,9 @@ static void choose_bins(const bvx_volume_view *v, volume_facts *f)
 
 static void tell_facts(cli_run *run, const bvx_volume_view *v, const volume_facts *f)
 {
-    static const char *const type[] = {"", "u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
     cli_text *const t = &run->report.more;
 
-    cli_text_add(t, ", \"samples\": {\"type\": \"%s\"", type[v->sample_type]);
+    cli_text_add(t, ", \"samples\": {\"type\": \"%s\"", cli_sample_names[v->sample_type - BVX_SAMPLE_U8]);
     cli_json_value(t, "least", f->least);
     cli_json_value(t, "greatest", f->greatest);
     cli_json_count(t, "nan", f->nan);
@@ -107,7 +106,7 @@ static void tell_facts(cli_run *run, const bvx_volume_view *v, const volume_fact
     for (int i = 0; i < f->bins; i++) cli_text_add(t, "%s%" PRIu64, i == 0 ? "" : ", ", f->bin[i]);
     cli_text_add(t, "]}");
 
-    cli_say(run, "samples       %s, from %.9g to %.9g; %" PRIu64 " are 0", type[v->sample_type], f->least, f->greatest, f->zero);
+    cli_say(run, "samples       %s, from %.9g to %.9g; %" PRIu64 " are 0", cli_sample_names[v->sample_type - BVX_SAMPLE_U8], f->least, f->greatest, f->zero);
     if (f->nan + f->infinite != 0) cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", f->nan, f->infinite);
     cli_say(run, "\n");
     for (int i = 0; i < f->bins; i++) {

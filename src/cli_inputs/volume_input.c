@@ -347,9 +347,8 @@ bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_repor
 
 void cli_tell_volume(cli_run *run, const cli_volume *v, const bvx_volume_report *r)
 {
-    static const char *const type[] = {"", "u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
     cli_text *const t = &run->report.more;
-    cli_text_add(t, ", \"volume\": {\"type\": \"%s\"", type[v->view.sample_type]);
+    cli_text_add(t, ", \"volume\": {\"type\": \"%s\"", cli_sample_names[v->view.sample_type - BVX_SAMPLE_U8]);
     cli_json_ints(t, "size", v->view.size);
     cli_json_value(t, "least", r->least);
     cli_json_value(t, "greatest", r->greatest);

@@ -82,11 +82,26 @@ every_function_proven() {
     empty "$work/unproven.txt" 'unproven functions'
 }
 
-# Names of rules, methods and formats come from the header's lists, texts of endings from src/cli_shell/endings.h, and a reserved field is
-# refused in one wording.
+# Names of values come from the header's lists: no list of a source begins with the first two names of one. A name is the constant's own
+# in small letters, as the Python package takes it. Texts of endings come from src/cli_shell/endings.h, and a reserved field is refused
+# in one wording.
 lists_stand_once() {
-    grep -n -E '[({] *("parity", *"nonzero"|"auto", *"exact"|"stl", *"obj"|"npy", *"binvox"|"csl", *"csv")|"edge-ratio", *"coverage"' -r src bindings/python/src/bitvox \
-        --include='*.[ch]' --include='*.py' >"$work/twice.txt"
+    awk '/^#define BVX_[A-Z]*_LIST\(X\)/ { list = $2; sub(/_LIST.*/, "", list); n = 0 }
+        list != "" && list !~ /STATUS|REASON/ && match($0, /X\(BVX_[A-Z0-9_]*, *[0-9]+, *"[^"]*"\)/) {
+            name = substr($0, RSTART + 2)
+            sub(/,.*/, "", name)
+            text = $0
+            sub(/^[^"]*"/, "", text)
+            sub(/".*/, "", text)
+            print ++n, name, text, list
+        }
+        /^enum/ { list = "" }' include/bitvox.h >"$work/lists.txt"
+    awk '{ own = tolower(substr($2, length($4) + 2)); gsub(/_/, "-", own); if ($4 == "BVX_SIDE" || $4 == "BVX_REAL") { own = tolower($2); sub(/bvx_(open_)?/, "", own); gsub(/_/, "-", own) }
+        if (own != $3) print "include/bitvox.h: " $2 " is called " $3 }' "$work/lists.txt" >"$work/twice.txt"
+    [ "$(grep -c '^1 ' "$work/lists.txt")" -ge 20 ] || echo 'include/bitvox.h: where are its lists?' >>"$work/twice.txt"
+    awk '$1 == 1 { first = $3 } $1 == 2 { print "[({] *\"" first "\", *\"" $3 "\"" }' "$work/lists.txt" >"$work/begins.txt"
+    printf '%s\n' '[({] *"npy", *"binvox"' '[({] *"csl", *"csv"' >>"$work/begins.txt" # its later parts
+    grep -n -E -f "$work/begins.txt" -r src bindings/python/src/bitvox --include='*.[ch]' --include='*.py' >>"$work/twice.txt"
     grep -n -F -e '.ply .obj .stl' -e '.stl .obj .ply' -e '.npy .binvox .vox .nrrd .vti .bvx' src/cli_*/*.[ch] | grep -v '^src/cli_shell/endings\.h:' >>"$work/twice.txt"
     # shellcheck disable=SC2086
     grep -n -i -E 'bvxi_fail(_for)?\(.*[a-z.]*reserved[^"]* (is|must)' $core | grep -v -E 'reserved byte|reserved2?(\[%u\])? must be 0' >>"$work/twice.txt"

@@ -13,7 +13,7 @@ from ._grid import Grid
 from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, position_type, with_positions
 from ._records import record
-from ._run import SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, names_of, options_of
+from ._run import FACE_RULES, SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, names_of, options_of
 
 EDGES = names_of("BVX_EDGE_")
 
@@ -157,7 +157,7 @@ class Field:
         """
         options = options_of("field_surface_options")
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
         options.sharp, options.local_frame = int(bool(sharp)), int(bool(local_frame))
         if sharp_angle is not None:
             if not sharp:

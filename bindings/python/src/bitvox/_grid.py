@@ -10,15 +10,14 @@ from ._calls import call
 from ._errors import ArgumentError, EmptyError, FormatError, need
 from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
-from ._run import Progress, Run, choice, ffi, function, in_range, lib, options_of
+from ._run import SIDES, Progress, Run, choice, ffi, function, in_range, lib, names_of, options_of
 
 if TYPE_CHECKING:
     from .reports import Difference, Topology
 
-RULES = ("any", "all", "majority")
-DISTANCE_SIDES = ("outside", "inside", "signed")
-BEYONDS = ("nothing", "empty", "set")
-DRAIN_SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
+RULES = names_of("BVX_REDUCE_")
+DISTANCE_SIDES = names_of("BVX_DISTANCE_")
+BEYONDS = names_of("BVX_BEYOND_")
 
 
 class Attached(NamedTuple):
@@ -572,7 +571,7 @@ class Grid:
         """
         options, report = options_of("hollow_options"), ffi.new("bvx_hollow_report *")
         options.thickness, options.drain_radius, options.beyond = thickness, drain, int(beyond)
-        options.drain_side = choice("drain_side", drain_side, "BVX_OPEN_", DRAIN_SIDES)
+        options.drain_side = choice("drain_side", drain_side, "BVX_OPEN_", SIDES)
         if drain_at is not None:
             if len(drain_at) != 2:
                 raise ArgumentError(f"drain_at is {drain_at!r}; it takes two coordinates")

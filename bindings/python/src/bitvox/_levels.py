@@ -12,15 +12,15 @@ from ._grid import Grid
 from ._lattice import Lattice
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
-from ._run import REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, lib, names_of, options_of
+from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, lib, names_of, options_of
 from ._stages import carried, grid_of, surface, voxelize
 
 if TYPE_CHECKING:
     from .reports import LevelsReport
 
-ERROR_KINDS = ("mean", "max")
-SOURCES = ("auto", "mesh", "measured")
-OPENS = ("shell", "keep", "cut")  # by BVX_OPEN_...; what simplify calls the first
+ERROR_KINDS = names_of("BVX_ERROR_")
+SOURCES = names_of("BVX_LEVELS_")
+OPENS = names_of("BVX_OPEN_", "BVX_OPEN_X_", "BVX_OPEN_Y_", "BVX_OPEN_Z_")  # simplify calls the first "refuse"
 OPEN_INPUTS = ("refuse", "keep", "cut")
 METHODS = ("collapse", *names_of("BVX_LOD_"))
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
@@ -454,7 +454,7 @@ def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolu
     options.method = choice("method", method, "BVX_LOD_", METHODS[1:])
     options.threshold = float(threshold)
     options.edge_samples = 0 if edge_samples is None else in_range("edge_samples", edge_samples, 1, 65536)
-    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
     options.local_frame = int(bool(local_frame))
     options.collapse = 0.0 if collapse is None else float(collapse)
     count, kept = _set_levels(options, levels, triangles)

@@ -12,12 +12,12 @@ from ._grid import Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._records import record
-from ._run import Progress, Run, choice, ffi, in_range, lib, options_of
+from ._run import FACE_RULES, Progress, Run, choice, ffi, in_range, lib, names_of, options_of
 
 if TYPE_CHECKING:
     from .reports import OctreeLevel
 
-STATES = ("outside", "inside", "surface")
+STATES = names_of("BVX_STATE_")
 _DIRECTIONS = ("-x", "-y", "-z", "+x", "+y", "+z")
 
 States = Union[str, Iterable[str], None]
@@ -152,7 +152,7 @@ class Octree:
             dtype, face_rule, local_frame, keys: as for `bitvox.surface`.
         """
         options = options_of("extract_options")
-        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
         options.local_frame, options.keys = int(bool(local_frame)), int(bool(keys))
         return with_positions(
             options, dtype, lambda run, made: lib.bvx_extract_octree(run.context, self._c, states_of(states), options, made),

@@ -357,6 +357,8 @@ def formats_in(bits: int) -> tuple[str, ...]:
     return tuple(name for name in names_of("BVX_FORMAT_") if bits >> getattr(lib, "BVX_FORMAT_" + name.upper()) & 1)
 
 
+FACE_RULES = names_of("BVX_FACE_")
+SIDES = names_of("BVX_OPEN_", "BVX_OPEN_SHELL", "BVX_OPEN_KEEP", "BVX_OPEN_CUT")
 FILLS = names_of("BVX_FILL_", "BVX_FILL_REASON_")
 FILL_REASONS = names_of("BVX_FILL_REASON_")
 SIGN_RULES = names_of("BVX_SIGN_")

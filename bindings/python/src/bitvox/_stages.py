@@ -12,7 +12,7 @@ from ._grid import Attached, Grid, new_grid
 from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, new_mesh, with_positions
 from ._records import record
-from ._run import FILLS, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, function, in_range, lib, names_of, options_of
+from ._run import FACE_RULES, FILLS, REPAIR_SIGNS, SIDES, Progress, Rise, Run, choice, ffi, function, in_range, lib, names_of, options_of
 
 if TYPE_CHECKING:
     from .reports import Certificate, Difference, Distances, Seed
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 OPERATIONS = names_of("BVX_BOOLEAN_")
 MODES = ("solid", "conservative", "thin", "sampled")
 THIN_CHECKS = ("auto", "never", "always")  # -1, 0, 1
-SIDES = ("x-low", "x-high", "y-low", "y-high", "z-low", "z-high")
 
 
 def voxelize(
@@ -246,7 +245,7 @@ def surface(
         A `Mesh` with uint32 faces; an empty grid gives an empty mesh.
     """
     options = options_of("extract_options")
-    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
     options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
     for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
         options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
@@ -258,7 +257,7 @@ def surface(
 def surface_counts(grid: Grid, *, face_rule: str = "separate") -> tuple[int, int]:
     """Vertices and triangles that `surface` would make of a ``grid`` by a ``face_rule``, without making them."""
     return _counts(lib.bvx_extract_count, grid, "extract_options", lambda o: setattr(
-        o, "face_rule", choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))))
+        o, "face_rule", choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)))
 
 
 def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bool = False, threads: int | None = None,
@@ -503,12 +502,12 @@ def repair(
         options.resolution = in_range("resolution", resolution, 1, 2**24)
     options.sign = choice("sign", sign, "BVX_SIGN_", REPAIR_SIGNS)
     options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
     options.sharp = -1 if sharp is None else int(bool(sharp))
     options.local_frame, options.measure = int(bool(local_frame)), int(bool(measure))
     if shell is not None:
         options.shell = float(shell)
-    options.thin = choice("thin", thin, "BVX_THIN_", ("shell", "keep", "drop"))
+    options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_"))
     options.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
     options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
     options.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
@@ -615,7 +614,7 @@ def boolean(
     options.fill = choice("fill", fill, "BVX_FILL_", FILLS)
     if interpolation is not None:
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
     options.sharp = -1 if sharp is None else int(bool(sharp))
     options.local_frame = int(bool(local_frame))
     options.keep_crumbs = int(least_part is not None)

@@ -14,8 +14,8 @@ from ._grid import Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._records import record
-from ._run import Progress, Rise, Run, choice, ffi, formats_in, in_range, lib, options_of
-from ._stages import SIDES, collapsed, level_target
+from ._run import FACE_RULES, SIDES, Progress, Rise, Run, choice, ffi, formats_in, in_range, lib, options_of
+from ._stages import collapsed, level_target
 from ._vti import without_blocks
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
@@ -171,7 +171,7 @@ class Volume:
         limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
         options, report = options_of("scalar_options"), ffi.new("bvx_volume_report *")
         options.level, options.below, options.report = float(level), int(bool(below)), report
-        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", ("separate", "join"))
+        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
         options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
         for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
             options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)

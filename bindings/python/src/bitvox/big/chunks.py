@@ -9,10 +9,9 @@ from .. import _arrays as arrays
 from .._errors import ArgumentError, LatticeError
 from .._grid import Grid
 from .._lattice import Lattice, Window
-from .._run import in_range
+from .._run import SIDES, in_range
 
 Index = tuple[int, int, int]
-_SIDES = (("x-low", "x-high"), ("y-low", "y-high"), ("z-low", "z-high"))
 
 
 class Chunks:
@@ -54,9 +53,9 @@ class Chunks:
             more = index[axis] + 1 < self.counts[axis]
             grown.append(size[axis] + int(more))
             if index[axis] > 0:
-                sides.append(_SIDES[axis][0])
+                sides.append(SIDES[axis * 2])
             if more:
-                sides.append(_SIDES[axis][1])
+                sides.append(SIDES[axis * 2 + 1])
         return Window(low, tuple(grown)), sides  # type: ignore[arg-type]
 
     def grown(self, index: Index, margin: Sequence[int]) -> Window:
