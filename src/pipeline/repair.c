@@ -145,6 +145,13 @@ static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
     return bvxi_repair_inside(job);
 }
 
+static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaired)
+{
+    bvxi_flat_body const body = {&job->thin, NULL};
+
+    return bvxi_flatten(job->ctx, bvxi_repair_name, &body, 1, repaired);
+}
+
 static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     bvx_context *const ctx = job->ctx;
@@ -170,7 +177,7 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
                                                         : "the mesh encloses no centre; take a higher resolution, or allow shells");
 
     BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_INSIDE], end[REPAIR_SURFACE], bvxi_repair_surface(job, repaired)));
-    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SURFACE], end[REPAIR_FLATTEN], bvxi_repair_flatten(job, repaired)));
+    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SURFACE], end[REPAIR_FLATTEN], flatten_repaired(job, repaired)));
     if (job->options->report == NULL) return BVX_OK;
     return BVXI_SHARE(ctx, end[REPAIR_FLATTEN], 1.0, bvxi_repair_measure(job, repaired));
 }

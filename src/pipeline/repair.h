@@ -3,20 +3,8 @@
 #define BVXI_REPAIR_H
 
 #include "grid/grid.h"
-#include "mesh/closest_query.h"
+#include "pipeline/thicken.h"
 #include "voxelize/winding.h"
-
-/* Outside centres beside walls too thin for the lattice: where the wall ends when it is made thick enough. */
-typedef struct bvxi_thin {
-    bvx_grid near;           /* the centres, before some were put inside; without words where no wall is thin */
-    uint64_t *first;         /* number of each row's first value [Size: rows + 1] */
-    float *reach;            /* how far off the mesh the thicker wall ends; below 0: of a sheet, as far as its size; 0: no wall is thin
-                                [Size: values] [Units: largest spacings] */
-    uint64_t rows, values;
-    uint32_t *corner;        /* of the body's triangles nearby, and a view of these */
-    uint64_t corner_bytes;
-    bvx_mesh_view mesh;
-} bvxi_thin;
 
 typedef struct bvxi_repair_job {
     bvx_context *ctx;
@@ -71,10 +59,6 @@ bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job);
 
 /* repair_thin.c: find walls of the body too thin for the lattice, and put centres to inside until they hold. */
 bvx_status bvxi_repair_thicken(bvxi_repair_job *job);
-void bvxi_thin_close(bvxi_repair_job *job);
-
-/* repair_flatten.c: vertices of thickened walls go to where the mesh has them, as far as no triangles cross. */
-bvx_status bvxi_repair_flatten(bvxi_repair_job *job, bvx_mesh *repaired);
 
 /* repair_parts.c: drop small parts of inside and fill small cavities; count all. */
 bvx_status bvxi_repair_clean(bvxi_repair_job *job);

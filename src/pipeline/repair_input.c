@@ -124,7 +124,7 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
 void bvxi_repair_let_go(bvxi_repair_job *job)
 {
     bvxi_holes_close(job->ctx, &job->holes);
-    bvxi_thin_close(job);
+    bvxi_thin_close(job->ctx, &job->thin);
     bvxi_free(job->ctx, job->inside.words, job->grid_bytes);
     bvxi_free(job->ctx, job->solid.words, job->grid_bytes);
     bvxi_free(job->ctx, job->parted, job->mesh.triangle_count * 12);

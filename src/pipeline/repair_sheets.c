@@ -2,7 +2,7 @@
  *
  * A piece is a sheet when a lid over its holes would be nearly as large as itself (terrain: a lid of 0.7 of its area or more), or when
  * it is open, or as narrow as a rod (or in any case, by BVX_THIN_SHELL), and the solid has no voxel close behind most of its area, on either side: what is thinner than a
- * voxel, surfaces that lie in themselves. Thin walls of closed pieces are kept as such (repair_thin.c). The lid is measured by the vector area of each loop of open edges, which no way of closing it can fall below.
+ * voxel, surfaces that lie in themselves. Thin walls of closed pieces are kept as such (thicken.c). The lid is measured by the vector area of each loop of open edges, which no way of closing it can fall below.
  * A piece of large lid is no sheet where the pieces together enclose something (repair_enclosed.c): a face of a part whose faces
  * do not touch. A lid over all of these must be small in its turn, and they must enclose it without what are sheets.
  * A shell is what lies within half its thickness of the sheets: closed for any sheet.

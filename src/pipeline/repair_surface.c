@@ -43,40 +43,6 @@ static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, con
     return status;
 }
 
-/* The shell's surface lies half its thickness off the sheet, along the way to the sheet. */
-static void shell_value(double thick, double vector[3], double *distance)
-{
-    double const d = *distance, scale = d > 0 ? (d - thick) / d : 0;
-    for (int a = 0; a < 3; a++) vector[a] *= scale;
-    *distance = d - thick;
-}
-
-/* The surface of a thickened wall lies off the mesh. */
-static void thicken_values(const bvxi_repair_job *job, repair_values *v)
-{
-    const bvxi_thin *const thin = &job->thin;
-    size_t const words = (size_t)v->where.words_per_row;
-    double const unit = bvxi_largest_spacing(&job->lattice);
-
-    for (size_t i = 0; thin->near.words != NULL && i < words * (size_t)v->rows; i++) {
-        uint64_t n = v->first[i / words], m = thin->first[i / words];
-
-        if ((v->where.words[i] & thin->near.words[i]) == 0) continue;
-        for (size_t k = i - i % words; k < i; k++) {
-            n += bvxi_popcount(v->where.words[k]);
-            m += bvxi_popcount(thin->near.words[k]);
-        }
-        for (uint64_t bits = v->where.words[i]; bits != 0; bits &= bits - 1, n++) {
-            uint64_t const bit = bits & (~bits + 1);
-            double reach;
-
-            if ((thin->near.words[i] & bit) == 0) continue;
-            reach = thin->reach[m + bvxi_popcount(thin->near.words[i] & (bit - 1))];
-            shell_value((reach < 0 ? -reach : reach) * unit, v->vectors + 3 * n, &v->distances[n]);
-        }
-    }
-}
-
 /* The union of body and shell: signed distances, the lesser one's value. */
 static void join_values(const bvxi_repair_job *job, repair_values *v, double thick, const double *vectors, const double *distances)
 {
@@ -88,7 +54,7 @@ static void join_values(const bvxi_repair_job *job, repair_values *v, double thi
             double const body = job->body.triangle_count == 0 ? 1e300 : inside ? -v->distances[n] : v->distances[n];
             double shell[3], distance = distances[n];
             memcpy(shell, vectors + 3 * n, sizeof shell);
-            shell_value(thick, shell, &distance);
+            bvxi_thin_value(thick, shell, &distance); /* half its thickness off the sheet */
             if (body <= distance) continue;
             memcpy(v->vectors + 3 * n, shell, sizeof shell);
             v->distances[n] = distance;
@@ -134,7 +100,7 @@ static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
     if (job->report.sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "the triangles of centres beside the surface", &v->triangles));
     if (job->body.triangle_count != 0)
         BVXI_TRY(measure_mesh(job, v, &job->body, 0, v->vectors, v->distances, v->triangles, 0.03, shells ? 0.5 : 1.0));
-    thicken_values(job, v);
+    bvxi_thin_values(&job->thin, &v->where, v->first, v->vectors, v->distances);
     return shells ? measure_with_shells(job, v) : BVX_OK;
 }
 

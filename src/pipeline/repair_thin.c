@@ -1,23 +1,11 @@
-/* repair_thin.c - walls of a closed body that are thinner than the lattice can hold: widened until it does.
- *
- * thin_walls.c says where they are. Centres beside them go inside up to half of what the wall lacks; what is lost still, at the ends
- * and corners of walls, goes inside itself.
- * Guarantee: the result follows from the mesh and the lattice alone. Cost: the surface, and closest points at thin places. */
+/* repair_thin.c - walls of a repaired body that are thinner than the lattice can hold: found, told of, and kept by thicken.c. */
 #include "mesh/view.h"
-#include "pipeline/ends.h"
 #include "pipeline/repair.h"
-#include "voxelize/fills.h"
-#include "voxelize/thin_walls.h"
 
-#define THIN_BESIDE 0.75   /* how far off a wall centres go inside [Units: largest spacings] */
-#define THIN_BEYOND 0.05f  /* a surface lies beyond the centres that it has inside */
-
-enum { THIN_CRUMB = 8, THIN_MENDS = 4 };
-
-typedef struct thin_job {
+typedef struct repair_walls {
     bvxi_repair_job *job;
     bvxi_walls walls;
-} thin_job;
+} repair_walls;
 
 /* ---- What is found ---- */
 
@@ -31,7 +19,7 @@ static int32_t longest_thin_side(const bvxi_repair_job *job)
     return longest;
 }
 
-static bvx_status count_thin_components(thin_job *t)
+static bvx_status count_thin_components(repair_walls *t)
 {
     bvxi_repair_job *const job = t->job;
     uint64_t const vertices = job->given->vertex_count;
@@ -45,7 +33,7 @@ static bvx_status count_thin_components(thin_job *t)
     return BVX_OK;
 }
 
-static bvx_status tell_walls(thin_job *t)
+static bvx_status tell_walls(repair_walls *t)
 {
     bvx_repair_report *const r = &t->job->report;
     bvxi_wall_report found;
@@ -61,227 +49,24 @@ static bvx_status tell_walls(thin_job *t)
     return count_thin_components(t);
 }
 
-/* ---- Walls made thicker ---- */
-
-/* Outside centres around the set ones. */
-static void widen_places(thin_job *t)
-{
-    const bvx_grid *const g = &t->walls.places;
-
-    for (uint64_t n = 0; n < t->walls.count; n++) {
-        int32_t at[3], low[3], high[3];
-
-        if (t->walls.point[n].wall == BVXI_NO_WALL) continue;
-        bvxi_bit_centre(g, t->walls.at[n], at);
-        for (int a = 0; a < 3; a++) {
-            low[a] = at[a] > 0 ? at[a] - 1 : 0;
-            high[a] = at[a] + 1 < g->size[a] ? at[a] + 1 : at[a];
-        }
-        for (int32_t z = low[2]; z <= high[2]; z++)
-            for (int32_t y = low[1]; y <= high[1]; y++)
-                for (int32_t x = low[0]; x <= high[0]; x++) {
-                    uint64_t const bit = bvxi_centre_bit(g, x, y, z);
-
-                    g->words[bit / 64] |= UINT64_C(1) << (bit & 63);
-                }
-    }
-    for (uint64_t i = 0; i < t->job->grid_bytes / 8; i++) g->words[i] &= ~t->job->inside.words[i];
-}
-
-static float thin_reach_of(const bvxi_wall *p)
-{
-    return p->wall == BVXI_NO_WALL ? 0.0f : (float)((BVXI_THIN_WALL - (double)p->wall) * 0.5);
-}
-
-/* Set centres that hang together across faces, from one on, until there are THIN_CRUMB or one of them is not of the list of
- * places: then it is no crumb. Returns how many, or 0. */
-static int gather_crumb(const thin_job *t, uint64_t from, uint64_t found[THIN_CRUMB])
-{
-    const bvx_grid *const g = &t->job->inside;
-    int count = 1;
-
-    found[0] = from;
-    for (int n = 0; n < count; n++) {
-        int32_t at[3];
-
-        if ((t->walls.places.words[found[n] / 64] >> (found[n] & 63) & 1) == 0) return 0;
-        bvxi_bit_centre(g, found[n], at);
-        for (int side = 0; side < 6; side++) {
-            int32_t to[3] = {at[0], at[1], at[2]};
-            uint64_t bit;
-            int known = 0;
-
-            to[side / 2] += side % 2 * 2 - 1;
-            if (to[side / 2] < 0 || to[side / 2] >= g->size[side / 2] || !bvx_grid_get(g, to[0], to[1], to[2])) continue;
-            bit = bvxi_centre_bit(g, to[0], to[1], to[2]);
-            for (int k = 0; k < count; k++) known |= found[k] == bit;
-            if (known) continue;
-            if (count == THIN_CRUMB) return 0;
-            found[count++] = bit;
-        }
-    }
-    return count;
-}
-
-/* A few centres that reach neither the solid nor a wall of any size are no wall. */
-static void drop_thin_crumbs(thin_job *t)
-{
-    uint64_t found[THIN_CRUMB];
-
-    for (uint64_t n = 0; n < t->walls.count; n++) {
-        int count;
-
-        if ((t->job->inside.words[t->walls.at[n] / 64] >> (t->walls.at[n] & 63) & 1) == 0) continue;
-        count = gather_crumb(t, t->walls.at[n], found);
-        for (int k = 0; k < count; k++) t->job->inside.words[found[k] / 64] &= ~(UINT64_C(1) << (found[k] & 63));
-    }
-}
-
-/* Centres within reach of a wall go inside. */
-static void widen_walls(thin_job *t)
-{
-    for (uint64_t n = 0; n < t->walls.count; n++)
-        if (t->walls.point[n].distance < thin_reach_of(&t->walls.point[n])) t->job->inside.words[t->walls.at[n] / 64] |= UINT64_C(1) << (t->walls.at[n] & 63);
-}
-
-/* What is lost still, at the ends and corners of walls, goes inside itself and joins the centres of near. *more: 1 when there was any. */
-static bvx_status mend_walls(thin_job *t, uint64_t *near, int *more)
-{
-    bvxi_repair_job *const job = t->job;
-
-    *more = 0;
-    BVXI_TRY(bvxi_walls_mark(&t->walls));
-    for (uint64_t n = 0; n < job->grid_bytes / 8; n++) t->walls.places.words[n] &= near[n];
-    BVXI_TRY(bvxi_walls_list(&t->walls));
-    if (t->walls.count == 0) return BVX_OK;
-    BVXI_TRY(bvxi_walls_ask(&t->walls, 1.0));
-    for (uint64_t n = 0; n < t->walls.count; n++) {
-        uint64_t const bit = UINT64_C(1) << (t->walls.at[n] & 63);
-
-        if (t->walls.point[n].wall == BVXI_NO_WALL) continue;
-        job->inside.words[t->walls.at[n] / 64] |= bit;
-        *more = 1;
-    }
-    return BVX_OK;
-}
-
-/* What the surface of the centres beside the walls is to be measured with. */
-static bvx_status keep_reach(thin_job *t)
-{
-    bvxi_thin *const thin = &t->job->thin;
-    uint64_t const rows = bvxi_grid_rows(&t->walls.places);
-
-    BVXI_TRY(bvxi_alloc(t->job->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the rows beside thin walls", &thin->first));
-    thin->rows = rows;
-    BVXI_TRY(bvxi_alloc(t->job->ctx, BVXI_SCRATCH, t->walls.count * 4, "the reach of thin walls", &thin->reach));
-    thin->values = t->walls.count;
-    bvxi_ends_number(&t->walls.places, thin->first);
-    for (uint64_t n = 0; n < t->walls.count; n++) {
-        const bvxi_wall *const p = &t->walls.point[n];
-        int const inside = (int)(t->job->inside.words[t->walls.at[n] / 64] >> (t->walls.at[n] & 63) & 1);
-        float reach = thin_reach_of(p);
-
-        if (inside && reach <= p->distance) reach = p->distance + THIN_BEYOND;
-        thin->reach[n] = p->sheet ? -reach : reach;
-    }
-    return BVX_OK;
-}
-
-/* Mend until nothing is lost; *mended: 1 when centres went inside that may lie beyond the reach of their wall. */
-static bvx_status mend_all(thin_job *t, uint64_t *near, int *mended)
-{
-    int more = 1;
-
-    *mended = 0;
-    for (int round = 0; more && round < THIN_MENDS; round++) {
-        BVXI_TRY(mend_walls(t, near, &more));
-        *mended |= more;
-    }
-    memcpy(t->walls.places.words, near, (size_t)t->job->grid_bytes);
-    return BVX_OK;
-}
-
-/* The walls of the list of seeds. */
-static bvx_status widen(thin_job *t)
-{
-    bvxi_repair_job *const job = t->job;
-    bvxi_walls asked;
-    uint64_t *near;
-    bvx_status status;
-    int mended = 0;
-
-    widen_places(t);
-    BVXI_TRY(bvxi_walls_list(&t->walls));
-    BVXI_TRY(bvxi_walls_ask(&t->walls, THIN_BESIDE));
-    widen_walls(t);
-
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the centres beside thin walls", &near));
-    memcpy(near, t->walls.places.words, (size_t)job->grid_bytes);
-    asked = t->walls;
-    t->walls.at = NULL;
-    t->walls.point = NULL;
-    t->walls.count = 0;
-    status = mend_all(t, near, &mended);
-    bvxi_free(job->ctx, near, job->grid_bytes);
-
-    /* Without that, the first answers are still those of all centres. */
-    bvxi_walls_drop(mended ? &asked : &t->walls);
-    if (!mended) {
-        t->walls.at = asked.at;
-        t->walls.point = asked.point;
-        t->walls.count = asked.count;
-    }
-    if (status != BVX_OK) return status;
-    if (mended) BVXI_TRY(bvxi_walls_list(&t->walls));
-    if (mended) BVXI_TRY(bvxi_walls_ask(&t->walls, 1.0));
-    drop_thin_crumbs(t);
-    return keep_reach(t);
-}
-
-/* The triangles and the centres that were asked go on to the surface. */
-static void hand_on(thin_job *t)
-{
-    bvxi_thin *const thin = &t->job->thin;
-
-    thin->near = t->walls.places;
-    thin->corner = t->walls.corner;
-    thin->corner_bytes = t->walls.corner_bytes;
-    thin->mesh = t->walls.near;
-    t->walls.places.words = NULL;
-    t->walls.corner = NULL;
-}
-
-void bvxi_thin_close(bvxi_repair_job *job)
-{
-    bvxi_thin *const thin = &job->thin;
-
-    bvxi_free(job->ctx, thin->corner, thin->corner_bytes);
-    bvxi_free(job->ctx, thin->reach, thin->values * 4);
-    bvxi_free(job->ctx, thin->first, (thin->rows + 1) * 8);
-    bvxi_free(job->ctx, thin->near.words, job->grid_bytes);
-    memset(thin, 0, sizeof *thin);
-}
-
 /* ---- */
 
-static bvx_status thicken(thin_job *t)
+static bvx_status thicken(repair_walls *t)
 {
     BVXI_TRY(bvxi_walls_find(&t->walls));
     if (t->walls.count == 0) return BVX_OK;
     BVXI_TRY(tell_walls(t));
     if (!t->job->report.thin_kept) return BVX_OK;
 
-    BVXI_TRY(widen(t));
-    hand_on(t);
-    return BVX_OK;
+    return bvxi_thicken(&t->walls, &t->job->inside, &t->job->thin);
 }
 
 bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
 {
-    thin_job t;
+    repair_walls t;
     bvx_status status;
 
-    bvxi_thin_close(job);
+    bvxi_thin_close(job->ctx, &job->thin);
     job->report.thin_voxels = job->report.thin_components = 0;
     job->report.thin_wall = 0;
     job->report.thin_resolution = job->report.thin_kept = 0;

@@ -1,4 +1,4 @@
-/* repair_flatten.c - the surface of thickened walls put back to where the mesh has it.
+/* flatten.c - the surface of thickened walls put back to where the mesh has it.
  *
  * Marching cubes give a thin wall its connections, as thick as the lattice needs; here its vertices go to their nearest points of
  * the mesh, but for a small part of the way, so that no two come to one place where many have one nearest point. Then crossing
@@ -10,7 +10,7 @@
 #include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "mesh/weld.h"
-#include "pipeline/repair.h"
+#include "pipeline/thicken.h"
 
 #include <math.h>
 
@@ -23,12 +23,17 @@ enum { FLATTEN_ALL_THE_WAY = 0, FLATTEN_HALF = 1, FLATTEN_STAYS = 2 };
 
 typedef struct flatten_vertex {
     double from[3], to[3]; /* [Units: world, less the mesh's frame] */
+    double distance;       /* to the nearest point of a mesh that was asked already; below 0: none was */
     uint32_t vertex;
     uint8_t step, back;    /* FLATTEN_...; back: 1 when it must go back further */
 } flatten_vertex;
 
 typedef struct flatten_job {
-    bvxi_repair_job *job;
+    bvx_context *ctx;
+    const char *function;
+    const bvxi_flat_body *bodies;
+    int32_t body_count, asked; /* asked: the body whose mesh is searched */
+    const bvx_grid *window;    /* any of the grids: their words aside all are the same */
     bvx_mesh *mesh;
     flatten_vertex *moved; /* [Size: count] */
     uint32_t *number;      /* of each vertex among the moved ones, plus 1 [Size: vertices] */
@@ -67,12 +72,29 @@ static double reach_at(const bvxi_thin *thin, const int32_t at[3])
     return thin->reach[n];
 }
 
-/* Does the vertex lie on an edge of the lattice beside a thin wall, and beside no sheet? */
-static int is_of_thin_wall(const flatten_job *f, const double p[3])
+/* Does a body change along an edge? low, high: its ends, or one centre twice. */
+static int changes_along(const bvxi_flat_body *body, const int32_t low[3], const int32_t high[3])
 {
-    const bvx_grid *const g = &f->job->thin.near;
+    int side[2];
+
+    if (body->solid == NULL || memcmp(low, high, 3 * sizeof *low) == 0) return 1;
+    for (int end = 0; end < 2; end++) {
+        const int32_t *const at = end == 0 ? low : high;
+        int within = 1;
+
+        for (int a = 0; a < 3; a++) within &= at[a] >= 0 && at[a] < body->solid->size[a];
+        side[end] = within && bvx_grid_get(body->solid, at[0], at[1], at[2]);
+    }
+    return side[0] != side[1];
+}
+
+/* The bodies, as bits, whose thin walls a vertex is of: it lies on an edge of the lattice beside one, and beside no sheet. */
+static uint32_t thin_walls_at(const flatten_job *f, const double p[3])
+{
+    const bvx_grid *const g = f->window;
     int32_t low[3], high[3];
-    int axes = 0, thin = 0;
+    uint32_t found = 0;
+    int axes = 0;
 
     for (int a = 0; a < 3; a++) {
         double const v = (p[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - (double)g->low[a] - 0.5;
@@ -82,13 +104,17 @@ static int is_of_thin_wall(const flatten_job *f, const double p[3])
         axes += high[a] != low[a];
     }
     if (axes > 1) return 0;
-    for (int end = 0; end < 2; end++) {
-        double const reach = reach_at(&f->job->thin, end == 0 ? low : high);
+    for (int32_t b = 0; b < f->body_count; b++) {
+        const bvxi_thin *const thin = f->bodies[b].thin;
+        double first, second;
 
-        if (reach < 0) return 0;
-        thin |= reach > 0;
+        if (thin->near.words == NULL || !changes_along(&f->bodies[b], low, high)) continue;
+        first = reach_at(thin, low);
+        second = reach_at(thin, high);
+        if (first < 0 || second < 0) return 0;
+        if (first > 0 || second > 0) found |= UINT32_C(1) << b;
     }
-    return thin;
+    return found;
 }
 
 static void world_position(const flatten_job *f, const bvx_mesh_view *view, uint64_t v, double p[3])
@@ -107,7 +133,7 @@ static uint64_t list_moved(flatten_job *f)
         double p[3];
 
         world_position(f, &view, v, p);
-        f->number[v] = is_of_thin_wall(f, p) ? (uint32_t)++count : 0;
+        f->number[v] = thin_walls_at(f, p) != 0 ? (uint32_t)++count : 0;
     }
     return count;
 }
@@ -130,7 +156,10 @@ static void aim_piece(void *user, int32_t piece, int32_t worker)
         if (f->number[v] == 0) continue;
         m = &f->moved[f->number[v] - 1];
         world_position(f, &view, v, p);
+        if ((thin_walls_at(f, p) >> f->asked & 1) == 0) continue;
         bvxi_closest_ask(&f->closest, p, &hint, &q);
+        if (m->distance >= 0 && m->distance <= q.distance) continue; /* the other body's wall is nearer */
+        m->distance = q.distance;
         for (int a = 0; a < 3; a++) {
             m->from[a] = p[a] - f->mesh->frame[a];
             m->to[a] = q.position[a] + (p[a] - q.position[a]) * FLATTEN_LEFT - f->mesh->frame[a];
@@ -252,8 +281,8 @@ static void number_around(flatten_job *f, uint64_t vertices)
 
 static bvx_status open_around(flatten_job *f)
 {
-    bvx_context *const ctx = f->job->ctx;
-    const bvx_grid *const g = &f->job->thin.near;
+    bvx_context *const ctx = f->ctx;
+    const bvx_grid *const g = f->window;
     uint64_t bytes = 1;
     bvx_mesh_view all;
     bvx_status status;
@@ -323,7 +352,7 @@ static void mark_triangle(flatten_job *f, uint64_t t)
 
 static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
 {
-    bvx_context *const ctx = f->job->ctx;
+    bvx_context *const ctx = f->ctx;
     uint64_t count;
     uint32_t *pairs;
     bvx_status status;
@@ -357,14 +386,14 @@ static bvx_status mark_common_places(flatten_job *f, const bvx_mesh_view *view)
     uint32_t *same;
     bvx_status status;
 
-    BVXI_TRY(bvxi_alloc(f->job->ctx, BVXI_SCRATCH, bytes, "the places of vertices", &same));
-    status = bvxi_weld(f->job->ctx, view, same, &different);
+    BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, bytes, "the places of vertices", &same));
+    status = bvxi_weld(f->ctx, view, same, &different);
     for (uint64_t v = 0; status == BVX_OK && different != view->vertex_count && v < view->vertex_count; v++) {
         if (same[v] == v) continue;
         mark_vertex(f, v);
         mark_vertex(f, same[v]);
     }
-    bvxi_free(f->job->ctx, same, bytes);
+    bvxi_free(f->ctx, same, bytes);
     return status;
 }
 
@@ -395,42 +424,60 @@ static bvx_status move_vertices(flatten_job *f)
     }
 }
 
-static bvx_status aim_vertices(flatten_job *f)
+/* Aim the vertices of one body's thin walls. */
+static bvx_status aim_at_body(flatten_job *f, int32_t body)
 {
-    uint64_t const pieces = f->mesh->vertex_count / FLATTEN_GRAIN + 1;
+    double const from = 0.3 * body / f->body_count, to = 0.3 * (body + 1) / f->body_count;
     bvx_status status;
 
-    f->pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
-    BVXI_TRY(bvxi_alloc_zero(f->job->ctx, BVXI_SCRATCH, f->count * sizeof *f->moved, "the vertices of thin walls", &f->moved));
+    if (f->bodies[body].thin->near.words == NULL) return BVX_OK;
+    f->asked = body;
 
     /* Searched anew: a tree kept since the walls were found would be there when memory is scarcest. */
-    BVXI_TRY(bvxi_closest_open(f->job->ctx, bvxi_repair_name, "thin", 0.0, 0.1, &f->job->thin.mesh, &f->closest));
-    status = bvxi_parallel(f->job->ctx, "thin", 0.1, 0.3, f->pieces, aim_piece, f);
-    bvxi_closest_shut(f->job->ctx, &f->closest);
+    BVXI_TRY(bvxi_closest_open(f->ctx, f->function, "thin", from, from + (to - from) / 3, &f->bodies[body].thin->mesh, &f->closest));
+    status = bvxi_parallel(f->ctx, "thin", from + (to - from) / 3, to, f->pieces, aim_piece, f);
+    bvxi_closest_shut(f->ctx, &f->closest);
     return status;
 }
 
-bvx_status bvxi_repair_flatten(bvxi_repair_job *job, bvx_mesh *repaired)
+static bvx_status aim_vertices(flatten_job *f)
 {
-    uint64_t const bytes = repaired->vertex_count * 4;
+    uint64_t const pieces = f->mesh->vertex_count / FLATTEN_GRAIN + 1;
+
+    f->pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
+    BVXI_TRY(bvxi_alloc_zero(f->ctx, BVXI_SCRATCH, f->count * sizeof *f->moved, "the vertices of thin walls", &f->moved));
+    for (uint64_t n = 0; n < f->count; n++) f->moved[n].distance = -1;
+    for (int32_t b = 0; b < f->body_count; b++) BVXI_TRY(aim_at_body(f, b));
+    return BVX_OK;
+}
+
+bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_body *bodies, int32_t count, bvx_mesh *mesh)
+{
+    uint64_t const bytes = mesh->vertex_count * 4;
     flatten_job f;
     bvx_status status = BVX_OK;
 
-    if (job->thin.near.words == NULL) return BVX_OK;
     memset(&f, 0, sizeof f);
-    f.job = job;
-    f.mesh = repaired;
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
+    f.ctx = ctx;
+    f.function = function;
+    f.bodies = bodies;
+    f.body_count = count;
+    f.mesh = mesh;
+    for (int32_t b = count; b-- > 0;)
+        if (bodies[b].thin->near.words != NULL) f.window = &bodies[b].thin->near;
+    if (f.window == NULL || mesh->vertex_count == 0) return BVX_OK;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
     f.count = list_moved(&f);
     if (f.count != 0) status = aim_vertices(&f);
-    if (status == BVX_OK && f.count != 0) status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local);
+    if (status == BVX_OK && f.count != 0) status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local);
     if (status == BVX_OK && f.count != 0) status = open_around(&f);
     if (status == BVX_OK && f.count != 0) status = move_vertices(&f);
-    bvxi_free(job->ctx, f.position, f.near.vertex_count * 24);
-    bvxi_free(job->ctx, f.vertex, f.near.vertex_count * 4);
-    bvxi_free(job->ctx, f.corner, f.near.triangle_count * 12);
-    bvxi_free(job->ctx, f.local, bytes);
-    bvxi_free(job->ctx, f.moved, f.count * sizeof *f.moved);
-    bvxi_free(job->ctx, f.number, bytes);
+    bvxi_free(ctx, f.position, f.near.vertex_count * 24);
+    bvxi_free(ctx, f.vertex, f.near.vertex_count * 4);
+    bvxi_free(ctx, f.corner, f.near.triangle_count * 12);
+    bvxi_free(ctx, f.local, bytes);
+    bvxi_free(ctx, f.moved, f.count * sizeof *f.moved);
+    bvxi_free(ctx, f.number, bytes);
     return status;
 }
