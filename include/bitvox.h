@@ -1957,11 +1957,17 @@ typedef struct bvx_boolean_report {
     int32_t sharp;                    /**< 1: vertices were put on sharp edges and corners */
     int32_t few;                      /**< BVX_FEW_... that the lattice is too coarse for, or 0 */
     int32_t advised_resolution;       /**< where few is not 0: the resolution to take */
-    int32_t reserved0;
+    int32_t thin_kept;                /**< BVX_KEPT_... of the meshes whose thin walls were kept; those that a report counts are lost else */
     uint64_t crumbs;                  /**< small parts and pockets that neither mesh has a part for: dropped and filled */
     uint64_t parts_dropped;           /**< below least_part */
-    bvx_solid_report solid_a, solid_b; /**< how each was filled: by which rule and why, rows that do not balance */
+    bvx_solid_report solid_a, solid_b; /**< how each was filled; its volume and thin walls are those of the fill, before walls are kept */
 } bvx_boolean_report;
+
+/** Meshes of which thin walls were kept. */
+enum {
+    BVX_KEPT_A = 1,
+    BVX_KEPT_B = 2
+};
 
 /** What of an operation has few voxels: fewer than 16 along its longest axis as far as it lies on the lattice, or none. */
 enum {
@@ -1986,6 +1992,9 @@ typedef struct bvx_boolean_options {
     bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
     uint64_t least_part;        /**< parts of fewer voxels are dropped [Default: 0] */
     uint64_t reserved[1];
+    int32_t thin;               /**< walls of the meshes that the lattice loses: BVX_THIN_KEEP (of b in a difference: slots) or BVX_THIN_DROP
+                                     [Default: BVX_THIN_KEEP] */
+    int32_t reserved1;
 } bvx_boolean_options;
 
 BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size);
@@ -1996,7 +2005,9 @@ BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
  * Both are filled on one lattice, exactly; the bits are combined; marching cubes between inside and outside centres makes the mesh.
  * Each vertex lies where its edge is cut by the mesh whose side changes there, by the closest points of the edge's ends; where
  * both change, by the one that bounds the result. The guarantee is that of bvx_extract_field_surface, whatever the meshes are:
- * closed, outwards, edge- and vertex-manifold, no crossing triangles. What is thinner than a voxel may be lost; the report says what
+ * closed, outwards, edge- and vertex-manifold, no crossing triangles. Walls of the meshes too thin for the lattice are widened before the
+ * bits are combined, and put back to the mesh in the result, as far as no triangles cross (BVX_THIN_KEEP), which bvx_repair does in the same way;
+ * what of the result is thinner than a voxel by the operation may be lost. The report says what
  * has few voxels, and the resolution to take. A result without any centre inside is an empty mesh and no error; a mesh without one,
  * though all of it lies on the lattice, is one. A lattice that is fitted has as few fraction bits as the farther mesh needs.
  *
@@ -2005,7 +2016,7 @@ BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
  *
  * Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (a mesh without a triangle of area, or of no voxel), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in
  * bvx_extract_surface), BVX_ERR_CAPACITY, BVX_ERR_BUDGET, BVX_ERR_MEMORY, BVX_CANCELLED.
- * Memory: the mesh, five grids, 16 bytes a row, 32 for each centre next to a mesh's part of the surface (sharp: 36, and what sharp
+ * Memory: the mesh, five grids (two more, and 12 bytes a triangle near them, where a mesh has thin walls), 16 bytes a row, 32 for each centre next to a mesh's part of the surface (sharp: 36, and what sharp
  * needs there), and by turns what bvx_voxelize_solid needs and what bvx_measure_field needs a triangle. Cost: two solids, the closest points of these centres,
  * the surface; that of the closest points' search trees is O(triangles log triangles).
  */

@@ -42,6 +42,7 @@
 /* Names come from the header's lists, in the order of their numbers; "" cannot be asked for, NULL ends. */
 #define SIGN_OF_REPAIR(name, value, text) (BVX_SIGNS_OF_REPAIR >> (value) & 1) != 0 ? text : "",
 #define FILL_OF_BOOLEAN(name, value, text) (BVX_FILLS_OF_BOOLEAN >> (value) & 1) != 0 ? text : "",
+#define THIN_OF_BOOLEAN(name, value, text) (value) == BVX_THIN_SHELL ? "" : text,
 #define OPEN_INPUT(name, value, text) (value) == BVX_OPEN_SHELL ? "refuse" : text,
 #define FORMAT_ASKED_FOR(name, value, text) [value] = (value) == BVX_FORMAT_PNG ? "" : (value) == BVX_FORMAT_SVG ? NULL : text,
 
@@ -68,6 +69,7 @@ static const char *const crossings_names[] = {BVX_CROSSINGS_LIST(CLI_NAME_OF) NU
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
 static const char *const check_thin_names[] = {"auto", "never", "always", NULL}; /* -1, 0, 1 */
 static const char *const thin_names[] = {BVX_THIN_LIST(CLI_NAME_OF) NULL};
+static const char *const boolean_thin_names[] = {BVX_THIN_LIST(THIN_OF_BOOLEAN) NULL};
 const char *const cli_sample_names[] = {BVX_SAMPLE_LIST(CLI_NAME_OF) NULL};
 /* By BVX_FORMAT_...; glb and vtu are only written, png and svg are not asked for. A gap ends the names before those of contours. */
 static const char *const every_format[] = {BVX_FORMAT_LIST(FORMAT_ASKED_FOR)};
@@ -237,6 +239,8 @@ static const cli_argument arguments[] = {
     FLAG("--no-sharp", CLI_REPAIR | CLI_BOOLEAN, no_sharp, "do not put vertices there [where many of a mesh's edges are sharp]"),
     CHOICE("--thin", "WHAT", CLI_REPAIR, thin, thin_names, BVX_THIN_SHELL,
            "walls of bodies too thin for the voxels. keep: whole, about as thick as\nthey are; shell: pieces without a voxel become shells, other walls are\nlost where no centre lies in them, with a warning; drop: lost [keep]"),
+    CHOICE("--thin", "WHAT", CLI_BOOLEAN, thin, boolean_thin_names, BVX_THIN_SHELL,
+           "walls of the meshes too thin for the voxels. keep: whole, about as thick\nas they are; drop: lost where no centre lies in them, with a warning [keep]"),
     FROM_TO("--shell", "T", CLI_REPAIR | CLI_LOD, shell, 0, 1e6, "thickness of shells in voxels, from 1.5; 0: none are made [2]"),
     LONG("--least-part", "N", CLI_REPAIR | CLI_LOD | CLI_BOOLEAN, least_part, 0, 1e15,
          "parts of fewer voxels are dropped, 0: none is [crumbs: small, nowhere three\nvoxels thick, where the mesh has no part of its own]"),

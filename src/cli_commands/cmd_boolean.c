@@ -44,7 +44,7 @@ static int take_operation(cli_run *run, boolean_run *b)
 static int check_boolean_options(cli_run *run, boolean_run *b)
 {
     static const char *const of_lattice[] = {"--resolution", "--spacing"};
-    static const char *const of_mesh[] = {"--interpolation", "--sharp", "--no-sharp", "--least-part"};
+    static const char *const of_mesh[] = {"--interpolation", "--sharp", "--no-sharp", "--least-part", "--thin"};
     const char *const out = run->options->output;
     int kind[2], grids, status = take_operation(run, b);
     for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, run->options->input[1 + i], &kind[i]);
@@ -56,7 +56,7 @@ static int check_boolean_options(cli_run *run, boolean_run *b)
         return cli_usage(run, "%s: the name ends in no format that is written (" CLI_MESHES_WRITTEN ", " CLI_GRIDS ")", out);
     for (int i = 0; i < 2 && status == CLI_DONE && grids != 0; i++)
         status = refuse_boolean_option(run, of_lattice[i], "is for two meshes; a grid brings its own lattice");
-    for (int i = 0; i < 4 && status == CLI_DONE && (grids != 0 || b->kind == CLI_GRID); i++)
+    for (int i = 0; i < 5 && status == CLI_DONE && (grids != 0 || b->kind == CLI_GRID); i++)
         status = refuse_boolean_option(run, of_mesh[i], "is for two meshes that become a mesh");
     if (status == CLI_DONE && grids == 2) status = refuse_boolean_option(run, "--fill", "is for meshes");
     if (status == CLI_DONE && grids != 2) status = refuse_boolean_option(run, "--resample", "is for two grids");
@@ -131,6 +131,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     if (run->options->sharp || run->options->no_sharp) o.sharp = run->options->sharp;
     if (run->options->least_part > 0) o.least_part = (uint64_t)run->options->least_part;
     o.keep_crumbs = cli_given(run, "--least-part");
+    if (cli_given(run, "--thin")) o.thin = run->options->thin;
     o.report = &b->report;
     for (int i = 0; i < 2; i++) bvx_mesh_view_of(&b->in[i].mesh, &view[i]);
     cli_stage_begin(run, "boolean");
@@ -255,6 +256,12 @@ static int write_boolean(cli_run *run, boolean_run *b)
     return status == CLI_DONE ? cli_write_grid(run, &b->grid) : status;
 }
 
+/* Walls of an input too thin for the voxels that are in the result all the same. */
+static int is_thin_kept(const boolean_run *b, int i)
+{
+    return b->by_mesh && (b->report.thin_kept & (i == 0 ? BVX_KEPT_A : BVX_KEPT_B)) != 0;
+}
+
 /* How an input that is a mesh was filled. */
 static void report_operand(cli_run *run, const boolean_run *b, int i)
 {
@@ -266,6 +273,7 @@ static void report_operand(cli_run *run, const boolean_run *b, int i)
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
     cli_json_count(t, "doubles", r->doubles);
     cli_json_losses(t, &run->report.lattice, r);
+    cli_json_truth(t, "thin_kept", is_thin_kept(b, i));
     cli_text_add(t, "}");
 }
 
@@ -283,7 +291,7 @@ static void warn_of_boolean(cli_run *run, const boolean_run *b)
             cli_warn(run, "%s: closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero "
                      "has it solid", cli_input_name(b->in[i].path));
         snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));
-        cli_warn_of_losses(run, of, &run->report.lattice, &b->solid[i]);
+        if (!is_thin_kept(b, i)) cli_warn_of_losses(run, of, &run->report.lattice, &b->solid[i]);
     }
     for (int i = 0; i < 2 && !b->by_mesh; i++)
         if (b->is_mesh[i] && b->voxels[i] == 0) cli_warn(run, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
@@ -318,6 +326,9 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
     if (b->report.parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
     for (int i = 0; i < 2; i++)
         if (b->is_mesh[i]) cli_say_fill(run, &b->solid[i]);
+    for (int i = 0; i < 2; i++)
+        if (is_thin_kept(b, i))
+            cli_say(run, "  thin        %" PRIu64 " voxels at walls of %s below 1.5 voxels: kept\n", b->solid[i].thin_voxels, i == 0 ? "A" : "B");
     warn_of_boolean(run, b);
     if (b->kind != CLI_MESH) return;
     cli_tell_reduction(run, &b->reduction);
@@ -349,8 +360,8 @@ const cli_command cli_boolean = {
     "boolean", CLI_BOOLEAN, 3, 3, "OPERATION A B -o OUT [options]", "union, intersection, difference or xor of two bodies",
     "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (" CLI_MESHES_READ ", also\n"
     "with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN "),\n"
-    "its vertices on their surfaces, whatever is wrong with how they meet; what is thinner than a voxel may\n"
-    "be lost. With --triangles or --error the edges of the result collapse. Grids\n"
+    "its vertices on their surfaces, whatever is wrong with how they meet; walls thinner than\n"
+    "voxels are kept. With --triangles or --error the edges of the result collapse. Grids\n"
     "(" CLI_GRIDS ") of one lattice are combined bit by bit; beside a grid a mesh is\n"
     "voxelized on its lattice. The result is a mesh or a grid, as the ending of OUT says.",
     "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"

@@ -2,7 +2,8 @@
  *
  * Two exact solids on one lattice, a word operation, marching cubes. A crossed edge of the result is crossed by a, by b or by both,
  * and only the ends of edges that a body crosses are measured to it: its own surface, nowhere mixed with the other's. Where both
- * cross, a union has the outer of the two cuts, the others the inner one (of xor no edge is crossed by both). */
+ * cross, a union has the outer of the two cuts, the others the inner one (of xor no edge is crossed by both). Walls of a body that
+ * the lattice loses are widened in its solid (thicken.c) and put back to its mesh in the result (flatten.c). */
 #include "field/nearest.h"
 #include "mesh/mesh.h"
 #include "mesh/pieces.h"
@@ -12,12 +13,13 @@
 #include "pipeline/boolean_lattice.h"
 #include "pipeline/crumbs.h"
 #include "pipeline/ends.h"
+#include "pipeline/thicken.h"
 #include "surface/field_surface.h"
 
 static const char boolean_name[] = "bvx_boolean";
 
 static const bvx_boolean_options boolean_defaults = {
-    0, NULL, 256, BVX_FILL_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0, NULL, 0, {0}};
+    0, NULL, 256, BVX_FILL_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0, NULL, 0, {0}, BVX_THIN_KEEP, 0};
 
 void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
 {
@@ -28,6 +30,7 @@ void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
 typedef struct boolean_body {
     const bvx_mesh_view *mesh;
     bvx_grid solid, where;
+    bvxi_thin thin;
     uint64_t *first;     /* number of each row's first value [Size: rows + 1] */
     double *vectors;     /* [Size: count * 3] */
     double *distances;
@@ -67,7 +70,9 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: local_frame %d is not 0 or 1", boolean_name, (int64_t)o->local_frame);
     if ((o->keep_crumbs & ~1) != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keep_crumbs %d is not 0 or 1", boolean_name, (int64_t)o->keep_crumbs);
-    if (o->reserved[0] != 0)
+    if (o->thin != BVX_THIN_KEEP && o->thin != BVX_THIN_DROP)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: thin is %d, not BVX_THIN_KEEP or BVX_THIN_DROP", boolean_name, (int64_t)o->thin);
+    if (o->reserved[0] != 0 || o->reserved1 != 0)
         return bvxi_fail_reserved(ctx, boolean_name, "");
     if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
     if (o->resolution < 1 || o->resolution > 1 << 24)
@@ -151,6 +156,27 @@ static bvx_status judge_result(boolean_job *job)
     return BVX_OK;
 }
 
+/* Walls of a body that its solid has lost: told, and by BVX_THIN_KEEP put back into the solid. */
+static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
+{
+    boolean_body *const b = &job->body[i];
+    bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    int const keep = job->options->thin == BVX_THIN_KEEP;
+    bvxi_walls walls;
+    bvx_status status;
+
+    bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
+    status = bvxi_walls_open(&walls);
+    if (status == BVX_OK) status = bvxi_walls_find(&walls);
+    if (status == BVX_OK) bvxi_tell_walls(&walls, r);
+    if (status == BVX_OK && r->thin_voxels != 0 && keep) {
+        status = bvxi_thicken(&walls, &b->solid, &b->thin);
+        job->report.thin_kept |= i == 0 ? BVX_KEPT_A : BVX_KEPT_B;
+    }
+    bvxi_walls_close(&walls);
+    return status;
+}
+
 static bvx_status fill_boolean(boolean_job *job)
 {
     static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
@@ -160,10 +186,13 @@ static bvx_status fill_boolean(boolean_job *job)
 
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = job->options->fill;
+    o.check_thin = 0; /* they are looked for below */
     for (int32_t i = 0; i < 2; i++) {
         o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.4 * i, 0.4 * (i + 1),
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.4 * i, 0.4 * i + 0.1,
                             bvx_voxelize_solid(job->ctx, job->body[i].mesh, &job->lattice, &o, &job->body[i].solid)));
+        if (job->options->thin == BVX_THIN_KEEP || job->options->report != NULL)
+            BVXI_TRY(BVXI_SHARE(job->ctx, 0.4 * i + 0.1, 0.4 * (i + 1), keep_thin_walls(job, i)));
     }
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.8, 0.9, combine[job->operation](job->ctx, a, b, &job->inside)));
@@ -259,6 +288,7 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     bvxi_nearest_prefer_planes(nearest);
     status = bvxi_nearest_fill(ctx, "measure", part, 1.0, nearest, guess, &b->where, b->first, &out);
     bvxi_nearest_close(ctx, nearest);
+    if (status == BVX_OK) bvxi_thin_values(&b->thin, &b->where, b->first, b->vectors, b->distances);
     return status;
 }
 
@@ -269,6 +299,7 @@ static void close_body(boolean_job *job, boolean_body *b)
     bvxi_free(job->ctx, b->vectors, b->room * 24);
     bvxi_free(job->ctx, b->first, (job->rows + 1) * 8);
     bvxi_free(job->ctx, b->where.words, job->grid_bytes);
+    bvxi_thin_close(job->ctx, &b->thin);
     bvxi_free(job->ctx, b->solid.words, job->grid_bytes);
 }
 
@@ -304,6 +335,13 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
     return bvxi_field_surface(job->ctx, boolean_name, &job->inside, values, &o, result);
 }
 
+static bvx_status flatten_boolean(boolean_job *job, bvx_mesh *result)
+{
+    bvxi_flat_body const bodies[BVXI_FLAT_BODIES] = {{&job->body[0].thin, &job->body[0].solid}, {&job->body[1].thin, &job->body[1].solid}};
+
+    return bvxi_flatten(job->ctx, boolean_name, bodies, BVXI_FLAT_BODIES, result);
+}
+
 /* Sharp edges: as asked for, or where one of the meshes has them. */
 static bvx_status choose_boolean_sharp(boolean_job *job)
 {
@@ -323,12 +361,13 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     BVXI_TRY(choose_boolean_lattice(job, result));
     job->report.lattice = job->lattice;
     BVXI_TRY(open_boolean_grids(job));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.05, fill_boolean(job)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.05, 0.25, drop_boolean_parts(job)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.26, choose_boolean_sharp(job)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.26, 0.49, measure_body(job, &job->body[0])));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.49, 0.72, measure_body(job, &job->body[1])));
-    return BVXI_SHARE(ctx, 0.72, 1.0, extract_boolean(job, result));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.12, fill_boolean(job)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.12, 0.28, drop_boolean_parts(job)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.28, 0.29, choose_boolean_sharp(job)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.29, 0.52, measure_body(job, &job->body[0])));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.52, 0.74, measure_body(job, &job->body[1])));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.74, 0.97, extract_boolean(job, result)));
+    return BVXI_SHARE(ctx, 0.97, 1.0, flatten_boolean(job, result));
 }
 
 static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
@@ -337,6 +376,7 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     bvx_boolean_options o = boolean_defaults;
     boolean_job job;
     bvx_status status;
+    int mine;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, boolean_name, "result");
     BVXI_TRY(bvxi_take_options(context, boolean_name, options, &o, sizeof o));
@@ -346,8 +386,10 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     job.options = &o;
     job.operation = operation;
     job.body[0].mesh = a;
+    mine = result->positions == NULL;
     job.body[1].mesh = b;
     status = boolean_steps(&job, result);
+    if (status != BVX_OK && mine) bvx_mesh_free(context, result); /* made, but not put back */
     bvxi_free(context, job.inside.words, job.grid_bytes);
     for (int32_t i = 2; i-- > 0;) close_body(&job, &job.body[i]);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;

@@ -353,16 +353,17 @@ static void mark_triangle(flatten_job *f, uint64_t t)
 static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
 {
     bvx_context *const ctx = f->ctx;
-    uint64_t count;
+    uint64_t count, room;
     uint32_t *pairs;
     bvx_status status;
 
     BVXI_TRY(bvx_mesh_crossings(ctx, view, &count, NULL, 0));
     if (count == 0) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the crossings of thin walls", &pairs));
-    status = bvx_mesh_crossings(ctx, view, &count, pairs, count);
+    room = count; /* a call that fails leaves no count */
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of thin walls", &pairs));
+    status = bvx_mesh_crossings(ctx, view, &count, pairs, room);
     for (uint64_t n = 0; status == BVX_OK && n < 2 * count; n++) mark_triangle(f, pairs[n]);
-    bvxi_free(ctx, pairs, count * 8);
+    bvxi_free(ctx, pairs, room * 8);
     return status;
 }
 

@@ -200,39 +200,49 @@ static int is_oriented(const bvx_solid_report *r)
     return r->fill == BVX_FILL_NONZERO || r->fill == BVX_FILL_WINDING || (r->fill == BVX_FILL_PARITY && r->fill_reason != BVX_FILL_REASON_ASKED);
 }
 
-static bvx_status look_for_walls(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
-                                 bvx_solid_report *report)
+void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                         const bvx_solid_report *report, bvxi_walls *walls)
 {
+    memset(walls, 0, sizeof *walls);
+    walls->ctx = ctx;
+    walls->function = function;
+    walls->mesh = mesh;
+    walls->solid = solid;
+    walls->unoriented = !is_oriented(report);
+    if (report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0) walls->open = walls->unoriented ? 2 : 1;
+}
+
+void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
+{
+    const bvx_grid *const solid = walls->solid;
     int32_t longest = 0;
     bvxi_wall_report found;
-    bvxi_walls walls;
-    bvx_status status;
 
-    memset(&walls, 0, sizeof walls);
-    memset(&found, 0, sizeof found);
-    walls.ctx = ctx;
-    walls.function = function;
-    walls.mesh = mesh;
-    walls.solid = solid;
-    walls.unoriented = !is_oriented(report);
-    if (report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0) walls.open = walls.unoriented ? 2 : 1;
-    status = bvxi_walls_open(&walls);
-    if (status == BVX_OK) status = bvxi_walls_find(&walls);
-    if (status == BVX_OK) bvxi_walls_report(&walls, &found);
-    bvxi_walls_close(&walls);
-    BVXI_TRY(status);
-
+    bvxi_walls_report(walls, &found);
     report->thin_checked = 1;
     report->thin_voxels = found.voxels;
-    if (found.voxels == 0) return BVX_OK;
-    report->thin_wall = found.wall * walls.unit;
+    if (found.voxels == 0) return;
+    report->thin_wall = found.wall * walls->unit;
     for (int a = 0; a < 3; a++) {
         report->thin_low[a] = found.low[a] + solid->low[a];
         report->thin_high[a] = found.high[a] + solid->low[a];
         if (solid->lattice.dims[a] > longest) longest = solid->lattice.dims[a];
     }
     report->thin_resolution = bvxi_wall_resolution(longest, found.wall);
-    return BVX_OK;
+}
+
+static bvx_status look_for_walls(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                                 bvx_solid_report *report)
+{
+    bvxi_walls walls;
+    bvx_status status;
+
+    bvxi_walls_of_solid(ctx, function, mesh, solid, report, &walls);
+    status = bvxi_walls_open(&walls);
+    if (status == BVX_OK) status = bvxi_walls_find(&walls);
+    if (status == BVX_OK) bvxi_tell_walls(&walls, report);
+    bvxi_walls_close(&walls);
+    return status;
 }
 
 bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,

@@ -65,6 +65,11 @@ void bvxi_walls_drop(bvxi_walls *t);
 
 /* What was found. Places without a thin wall are places no more. */
 void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report);
+/* solid_losses.c: a search for the walls that a solid with this report has lost; what was found goes to the report. */
+void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                         const bvx_solid_report *report, bvxi_walls *walls);
+void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report);
+
 /* Voxels along the longest axis, now longest, with which a wall is as thick as holds anywhere; 0 where there is no such number. */
 int32_t bvxi_wall_resolution(int32_t longest, double wall);
 

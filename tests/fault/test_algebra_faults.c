@@ -5,15 +5,15 @@
 
 /* ---- Inputs, made once ---- */
 
-static maker_mesh star[2];
-static bvx_mesh_view view[2];
+static maker_mesh star[3]; /* the last is a lens thinner than a voxel */
+static bvx_mesh_view view[3];
 static bvx_grid a, b;
 static bvx_lattice finer;
 static bvx_context *maker; /* what made them */
 
 static int make_inputs(void **state)
 {
-    static const double centre[2][3] = {{17, 16, 15}, {24, 18, 16}}, radius[3] = {14, 13, 12};
+    static const double centre[2][3] = {{17, 16, 15}, {24, 18, 16}}, radius[3] = {14, 13, 12}, lens[3] = {22, 20, 0.2};
     uint64_t seed = 81;
     bvx_context_options o = default_options();
     (void)state;
@@ -23,6 +23,8 @@ static int make_inputs(void **state)
         maker_star(&star[i], &seed, centre[i], radius, 0.3, 9, 15, 65536);
         view[i] = maker_view(&star[i]);
     }
+    maker_star(&star[2], &seed, centre[0], lens, 0, 9, 15, 65536);
+    view[2] = maker_view(&star[2]);
     assert_int_equal(bvx_lattice_fit(maker, &view[0], 100, &finer), BVX_OK);
     assert_int_equal(bvx_grid_create(maker, &finer, NULL, &a), BVX_OK);
     assert_int_equal(bvx_grid_create(maker, &finer, NULL, &b), BVX_OK);
@@ -45,6 +47,7 @@ static int free_inputs(void **state)
     bvx_context_destroy(maker);
     maker_free(&star[0]);
     maker_free(&star[1]);
+    maker_free(&star[2]);
     return 0;
 }
 
@@ -161,7 +164,7 @@ static bvx_status resample(void *user, bvx_context *ctx)
     return end_grid(ctx, bvx_grid_resample(ctx, &a, &finer, NULL, &g), &g);
 }
 
-static bvx_status boolean_with(bvx_context *ctx, int32_t operation, int32_t sharp)
+static bvx_status boolean_with(bvx_context *ctx, int other, int32_t operation, int32_t sharp)
 {
     bvx_boolean_options o;
     bvx_mesh mesh = {0};
@@ -169,7 +172,7 @@ static bvx_status boolean_with(bvx_context *ctx, int32_t operation, int32_t shar
     bvx_boolean_options_init(&o, sizeof o);
     o.resolution = 20;
     o.sharp = sharp;
-    status = bvx_boolean(ctx, &view[0], &view[1], operation, &o, &mesh);
+    status = bvx_boolean(ctx, &view[0], &view[other], operation, &o, &mesh);
     if (status == BVX_OK) status = bvx_mesh_hash(ctx, &mesh, &mark);
     else left_behind |= mesh.positions != NULL || mesh.triangles != NULL || mesh.vertex_count != 0;
     bvx_mesh_free(ctx, &mesh);
@@ -179,13 +182,19 @@ static bvx_status boolean_with(bvx_context *ctx, int32_t operation, int32_t shar
 static bvx_status join_meshes(void *user, bvx_context *ctx)
 {
     (void)user;
-    return boolean_with(ctx, BVX_BOOLEAN_UNION, 0);
+    return boolean_with(ctx, 1, BVX_BOOLEAN_UNION, 0);
 }
 
 static bvx_status cut_meshes(void *user, bvx_context *ctx)
 {
     (void)user;
-    return boolean_with(ctx, BVX_BOOLEAN_DIFFERENCE, 1);
+    return boolean_with(ctx, 1, BVX_BOOLEAN_DIFFERENCE, 1);
+}
+
+static bvx_status join_lens(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return boolean_with(ctx, 2, BVX_BOOLEAN_UNION, 0);
 }
 
 typedef struct algebra_case {
@@ -198,6 +207,7 @@ static algebra_case cases[] = {
     {"union", unite, 0}, {"intersection", intersect, 0}, {"difference", take_away, 0}, {"xor", differ, 0}, {"complement", invert, 0},
     {"downsample", reduce, 0}, {"coverage", cover, 0}, {"content", find_content, 0}, {"crop", crop, 0}, {"pad", pad, 0}, {"permute", permute, 0}, {"resample", resample, 0},
     {"boolean union", join_meshes, 0}, {"boolean difference, sharp", cut_meshes, 0},
+    {"boolean union, thin", join_lens, 0},
 };
 enum { CASES = sizeof cases / sizeof cases[0] };
 

@@ -73,6 +73,18 @@ static void algebra_cases(golden *g)
         mesh_value(g, name[operation], bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh), &mesh);
     }
     golden_end(g);
+
+    /* A lens thinner than a voxel: a slot, and what hangs on it. */
+    for (uint32_t i = 0; i < ball.vertices; i++) ball.v[i][0] = 2 + 0.01 * (ball.v[i][0] - 2);
+    golden_begin(g, "thin_meshes");
+    for (int32_t operation = BVX_BOOLEAN_UNION; operation <= BVX_BOOLEAN_DIFFERENCE; operation += 2) {
+        bvx_boolean_options o;
+        bvx_mesh mesh = {0};
+        bvx_boolean_options_init(&o, sizeof o);
+        o.resolution = 40;
+        mesh_value(g, operation == 0 ? "union" : "difference", bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh), &mesh);
+    }
+    golden_end(g);
 }
 
 #endif

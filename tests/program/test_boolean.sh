@@ -35,6 +35,21 @@ certified 'interpolation' union blocks.ply "$knot" --resolution 48 --interpolati
 certified 'fill' union blocks.ply "$knot" --resolution 48 --fill winding
 certified 'spacing' union blocks.ply "$knot" --spacing 0.2
 
+# A plate thinner than a voxel less a bar: a plate with a hole, and a word where it is lost.
+printf 'v %s\n' '0 0 -.04' '9 0 -.04' '0 9 -.04' '9 9 -.04' '0 0 .02' '9 0 .02' '0 9 .02' '9 9 .02' >plate.obj
+printf 'v %s\n' '2 2 -1' '7 2 -1' '2 6 -1' '7 6 -1' '2 2 .9' '7 2 .9' '2 6 .9' '7 6 .9' >bar.obj
+printf 'f %s\n' '1 3 4 2' '5 6 8 7' '1 2 6 5' '3 7 8 4' '1 5 7 3' '2 4 8 6' | tee -a plate.obj >>bar.obj
+printf 'v %s\n' '0 0 -1' '1 0 -1' '0 9 -1' '1 9 -1' '0 0 1' '1 0 1' '0 9 1' '1 9 1' >>plate.obj # and a wall
+printf 'f %s\n' '9 11 12 10' '13 14 16 15' '9 10 14 13' '11 15 16 12' '9 13 15 11' '10 12 16 14' >>plate.obj
+run boolean union plate.obj bar.obj -o result.ply --resolution 64 --json
+[ $status = 0 ] && ! grep -q plate.obj err && grep -q '"a": {[^}]*"thin_voxels": [1-9][^}]*"thin_kept": true}, "b": {[^}]*"thin_kept": false}' out
+result 'thin walls are kept, of which mesh is said' $?
+run boolean union plate.obj bar.obj -o result.ply --resolution 64 --thin drop --json
+[ $status = 0 ] && grep -q 'plate.obj: walls thinner than 1.5 voxels are lost' err && grep -q '"a": {[^}]*"thin_kept": false}' out
+result 'thin walls that are dropped are warned of' $?
+refuses 2 'for two meshes that become a mesh' union plate.obj bar.obj -o result.bvx --thin drop
+refuses 2 "'shell'" union plate.obj bar.obj -o result.ply --thin shell
+
 # A half-space that cuts a part is a box a thousand times as large.
 printf 'v %s\n' '0 0 0' '9 0 0' '0 9 0' '9 9 0' '0 0 9' '9 0 9' '0 9 9' '9 9 9' >cube.obj
 printf 'f %s\n' '1 3 4 2' '5 6 8 7' '1 2 6 5' '3 7 8 4' '1 5 7 3' '2 4 8 6' >sides

@@ -40,6 +40,7 @@ static bvx_boolean_options with(int32_t resolution)
     bvx_boolean_options_init(&o, sizeof o);
     o.resolution = resolution;
     o.keep_crumbs = 1; /* the solids are compared to the bit */
+    o.thin = BVX_THIN_DROP;
     o.report = &report;
     return o;
 }

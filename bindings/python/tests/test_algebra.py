@@ -153,7 +153,7 @@ def test_boolean_is_that_of_the_grids():
     lattice = Lattice((40, 36, 30), 0.37, (-0.7, -0.6, -0.8))
     a, b = (bitvox.voxelize(m, lattice=lattice) for m in (A, B))
     for operation, want in {"union": a | b, "intersection": a & b, "difference": a - b, "xor": a ^ b}.items():
-        mesh = bitvox.boolean(A, B, operation, lattice=lattice)
+        mesh = bitvox.boolean(A, B, operation, lattice=lattice, thin="drop")
         assert bitvox.voxelize(mesh, lattice=lattice) == want
         assert (mesh.report.voxels_a, mesh.report.voxels_b, mesh.report.voxels) == (a.count, b.count, want.count)
 
@@ -169,6 +169,17 @@ def test_boolean_fits_its_lattice_and_says_how_it_filled():
     assert (mesh.report.few, mesh.report.advised_resolution) == (2, 512)
     with pytest.raises(bitvox.EmptyError, match="take a resolution of"):
         bitvox.boolean(part, half, "union", resolution=64)
+
+
+def test_boolean_keeps_thin_walls():
+    plate, bar = box_mesh((-1, -1, -0.008), (1, 1, 0.008)), box_mesh((-0.4, -0.3, -0.5), (0.4, 0.3, 0.5))
+    mesh = bitvox.boolean(plate, bar, "difference", lattice=Lattice((70, 70, 20), 1 / 32, (-35 / 32, -35 / 32, -10 / 32)))
+    found = mesh.check()
+    assert found.components == 1 and found.euler == 0
+    assert abs(found.volume / ((4 - 0.48) * 0.016) - 1) < 0.1
+    assert mesh.report.thin_kept == 1 and mesh.report.solid_a.thin_voxels > 0
+    with pytest.raises(bitvox.ArgumentError, match="thin"):
+        bitvox.boolean(A, B, "union", thin="shell")
 
 
 def test_boolean_refusals_and_emptiness():

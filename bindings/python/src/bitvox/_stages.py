@@ -568,6 +568,7 @@ def boolean(
     interpolation: str | None = None,
     face_rule: str = "separate",
     sharp: bool | None = None,
+    thin: str = "keep",
     least_part: int | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
@@ -580,7 +581,7 @@ def boolean(
 ) -> Mesh:
     """A closed, manifold mesh of what two bodies have together, alone or in common.
 
-    Vertices lie on the surface of the mesh that bounds the result there; what is thinner than a voxel may be lost. Grids are
+    Vertices lie on the surface of the mesh that bounds the result there; walls of a and b thinner than voxels are kept. Grids are
     combined by their operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``.
 
     Args:
@@ -591,6 +592,9 @@ def boolean(
         fill: what is inside a mesh: "auto" (what suits it, as for `voxelize`), "parity", "nonzero", "vote" or "winding".
         interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
         sharp: cells on sharp edges and corners, and where the meshes meet, get a vertex there; None: as for `repair`.
+        thin: walls of a and b thinner than 1.5 voxels: "keep" (whole, about as thick as they are; a thin wall of b is a slot in a
+            difference) or "drop" (lost where no centre lies in them): the report's ``thin_kept`` (1: a, 2: b, added up), and
+            ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
         least_part: smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
         triangles, error, error_kind: most triangles of the result, or its distance to what it would be without: as for `repair`.
         face_rule, dtype, local_frame: as for `surface`.
@@ -616,6 +620,7 @@ def boolean(
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
     options.sharp = -1 if sharp is None else int(bool(sharp))
+    options.thin = choice("thin", thin, "BVX_THIN_", ("keep", "drop"))
     options.local_frame = int(bool(local_frame))
     options.keep_crumbs = int(least_part is not None)
     options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
