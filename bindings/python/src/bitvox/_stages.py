@@ -620,7 +620,7 @@ def boolean(
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
     options.sharp = -1 if sharp is None else int(bool(sharp))
-    options.thin = choice("thin", thin, "BVX_THIN_", ("keep", "drop"))
+    options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_", "BVX_THIN_SHELL"))
     options.local_frame = int(bool(local_frame))
     options.keep_crumbs = int(least_part is not None)
     options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
