@@ -20,7 +20,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo python test-python test test-quick test-other test-machines deps deps-proof san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging install uninstall amalgamation clean force \
+.PHONY: all help demo python js test-python test-js test test-quick test-other test-machines deps deps-proof deps-js san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -250,6 +250,17 @@ python: ## build/python/wheel: a wheel of the Python package (pip, which fetches
 test-python: program ## the Python package alone, in a clean virtual environment
 	@BUILD=$(BUILD) PYTHON=$(PYTHON) BITVOX=$(abspath $(BUILD)/bitvox) sh tests/tools/test_python.sh
 
+js: $(BUILD)/js/package/bitvox.js ## build/js/package: the npm package, WebAssembly in one module (Emscripten's emcc and Node: make deps-js)
+
+$(BUILD)/js/package/bitvox.js: $(core_sources) $(wildcard src/*/*.h include/*.h bindings/js/*.* bindings/js/src/*)
+	@for tool in node $(or $(EMCC),emcc); do command -v $$tool >/dev/null 2>&1 || { echo "make js: $$tool is missing; \
+	    it is in Debian's packages emscripten and nodejs, which make deps-js installs as root"; exit 1; }; done
+	$(call say,EMCC,$@) mkdir -p $(@D) && node bindings/js/build.mjs $(BUILD)/js
+
+test-js: deps-js program ## the npm package: golden rows, types, samples under node and in Chromium (npm fetches what that needs)
+	@if command -v node >/dev/null 2>&1 && command -v $(or $(EMCC),emcc) >/dev/null 2>&1; then $(MAKE) --no-print-directory js; fi
+	@BUILD=$(BUILD) BITVOX=$(abspath $(BUILD)/bitvox) sh tests/tools/test_js.sh || [ $$? = 77 ]
+
 packaging: all ## projects that use the library by find_package, add_subdirectory and FetchContent (CMake, Ninja)
 	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/packaging.sh
 
@@ -272,6 +283,9 @@ deps: ## install what the tests need (apt, as root)
 
 deps-proof: ## and what matrix, fuzz, coverage, mcdc, analyze, abi and the sanitizers need
 	@sh tests/tools/deps.sh proof
+
+deps-js: ## and what the npm package needs: emscripten, nodejs, chromium
+	@sh tests/tools/deps.sh js
 
 test: deps ## all tests of this machine and compiler (10 minutes); ends with "N passed, N failed"
 	@$(environment) sh tests/tools/run_tests.sh here

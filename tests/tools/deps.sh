@@ -1,6 +1,6 @@
 #!/bin/sh
-# deps.sh [proof] - install what the tests use beyond a C compiler and make (Debian and Ubuntu names, as root); proof: and what
-# matrix, bare, fuzz, san-memory, san-threads, coverage, mcdc, analyze and abi use.
+# deps.sh [proof|js] - install what the tests use beyond a C compiler and make (Debian and Ubuntu names, as root); proof: and what
+# matrix, bare, fuzz, san-memory, san-threads, coverage, mcdc, analyze and abi use; js: what the npm package is built and tested with.
 # Does nothing when all is there. Without root or apt it names what is missing; the tests then skip those parts and say so. Never removes a package: the cross compilers and gcc-multilib exclude each other, and gcc-multilib stays.
 set -u
 
@@ -11,6 +11,11 @@ proof='ninja-build clang-19 llvm llvm-19 libclang-rt-19-dev g++ gcovr abigail-to
     gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-powerpc64le-linux-gnu libc6-dev-ppc64el-cross
     musl-tools gcc-mingw-w64-x86-64 wine64 wine emscripten nodejs gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm'
 if [ "${1:-}" = proof ]; then packages="$packages $proof"; fi
+if [ "${1:-}" = js ]; then
+    packages='emscripten chromium'
+    command -v node >/dev/null 2>&1 || packages="$packages nodejs"
+    command -v npm >/dev/null 2>&1 || packages="$packages npm"
+fi
 
 missing() {
     for p in $packages; do

@@ -1,0 +1,593 @@
+// index.d.ts - types of the package bitvox. What each call does, its cost and its exactness: bitvox.h, by the names in brackets.
+
+/** Three coordinates, or three counts along the axes. */
+export type Triple = [number, number, number];
+/** Where three numbers are given. */
+export type TripleIn = readonly [number, number, number] | Float64Array | Float32Array | Int32Array;
+
+/** Formats of meshes that are read, and those that are written. */
+export type MeshFormatIn = 'stl' | 'obj' | 'ply' | 'off';
+export type MeshFormat = MeshFormatIn | 'glb';
+
+export type Fill = 'auto' | 'parity' | 'nonzero' | 'vote' | 'flood' | 'regions' | 'below' | 'winding';
+export type FillReason = 'asked' | 'sound' | 'nested' | 'overlap' | 'open' | 'unorientable';
+export type Sign = 'auto' | 'exact' | 'normal' | 'pseudonormal' | 'winding' | 'vote' | 'none';
+export type PositionType = 'auto' | 'f32' | 'f64';
+export type Interpolation = 'vector' | 'scalar' | 'middle' | 'paper' | 'tangent';
+export type FaceRule = 'separate' | 'join';
+export type Side = 'x-low' | 'x-high' | 'y-low' | 'y-high' | 'z-low' | 'z-high';
+
+/** A mesh that goes in. Without triangles each three vertices are one. A BufferGeometry of three.js is taken too. */
+export interface MeshIn {
+    /** x, y, z of each vertex. */
+    positions: Float32Array | Float64Array | number[];
+    /** Three vertex numbers a triangle, counter-clockwise seen from outside. */
+    triangles?: Uint32Array | Uint16Array | Int32Array | number[] | undefined;
+    /** Red, green, blue, alpha of each vertex. */
+    colours?: Uint8Array | Uint8ClampedArray | undefined;
+    /** Texture coordinates: of each vertex, or those that uvTriangles names. */
+    uvs?: Float32Array | undefined;
+    uvTriangles?: Uint32Array | undefined;
+    /** Added to positions to reach the world; looked at by hash alone. */
+    frame?: TripleIn | undefined;
+}
+export interface GeometryIn {
+    attributes: { position: { array: ArrayLike<number> } };
+    index?: { array: ArrayLike<number> } | null | undefined;
+}
+export type AnyMesh = MeshIn | GeometryIn;
+
+/** A mesh that comes out: arrays of its own. */
+export interface Mesh {
+    positions: Float32Array<ArrayBuffer> | Float64Array<ArrayBuffer>;
+    triangles: Uint32Array<ArrayBuffer>;
+    colours?: Uint8Array<ArrayBuffer>;
+    uvs?: Float32Array<ArrayBuffer>;
+    uvTriangles?: Uint32Array<ArrayBuffer>;
+    /** Add to positions to reach the world; there with localFrame alone. */
+    frame?: Triple;
+}
+
+/** Voxel (i,j,k) is the box from origin + ijk * spacing on. [bvx_lattice] */
+export interface Lattice {
+    origin: Triple;
+    spacing: Triple;
+    dims: Triple;
+    fractionBits: number;
+}
+/** Without fractionBits they follow from dims. */
+export interface LatticeIn {
+    origin: TripleIn;
+    spacing: TripleIn;
+    dims: TripleIn;
+    fractionBits?: number | undefined;
+}
+export interface WindowIn {
+    low: TripleIn;
+    size: TripleIn;
+}
+
+/** A set of voxels of a lattice's window, one bit each: voxel (x, y, z) is bit x & 31 of
+ *  words[(z * size[1] + y) * row + (x >> 5)], row = 2 * ceil(size[0] / 64); bits at or past size[0] are 0. */
+export interface Grid {
+    lattice: Lattice;
+    low: Triple;
+    size: Triple;
+    words: Uint32Array<ArrayBuffer>;
+}
+export interface GridIn {
+    lattice: LatticeIn;
+    low: TripleIn;
+    size: TripleIn;
+    words: Uint32Array;
+}
+
+/** Options of every call. */
+export interface CallOptions {
+    /** Called between pieces of work, fraction from 0 to 1. What it throws ends the call and reaches the caller. */
+    progress?: ((fraction: number, stage: string) => unknown) | undefined;
+    /** Looked at between pieces of work: aborted, it cancels the call. A call does not let the thread's other tasks run, so what aborts
+     *  must do so within progress or before the call. From outside, end the worker. */
+    signal?: AbortSignal | undefined;
+    /** Bytes that the call may hold; 0: load's. */
+    memoryLimit?: number | undefined;
+}
+
+/** Choose one of resolution (voxels along the longest axis; 256 where nothing is given), axisResolution and spacing. */
+export interface FitOptions {
+    resolution?: number | undefined;
+    axisResolution?: TripleIn | undefined;
+    spacing?: number | TripleIn | undefined;
+    /** Empty voxels added on every side. */
+    padding?: number | undefined;
+}
+export interface LatticeOptions extends FitOptions {
+    /** In place of a fitted one. */
+    lattice?: LatticeIn | undefined;
+}
+
+/** What a mesh is. [bvx_certificate] */
+export interface Certificate {
+    closed: boolean;
+    edgeManifold: boolean;
+    vertexManifold: boolean;
+    oriented: boolean;
+    vertices: number;
+    edges: number;
+    triangles: number;
+    unusedVertices: number;
+    collapsed: number;
+    degenerate: number;
+    duplicates: number;
+    boundaryEdges: number;
+    nonmanifoldEdges: number;
+    flippedEdges: number;
+    nonmanifoldVertices: number;
+    components: number;
+    euler: number;
+    volume: number;
+    area: number;
+    low: Triple;
+    high: Triple;
+}
+
+/** [bvx_distance_report] */
+export interface DistanceReport {
+    samples: number;
+    seed: number;
+    meanAToB: number;
+    maxAToB: number;
+    meanBToA: number;
+    maxBToA: number;
+    mean: number;
+    max: number;
+    normalAToB: number;
+    normalBToA: number;
+}
+
+/** [bvx_solid_report] */
+export interface SolidReport {
+    trianglesUsed: number;
+    crossings: number;
+    unbalancedRows: number;
+    dropped: number;
+    boundaryEdges: number;
+    flippedEdges: number;
+    surfaceVoxels: number;
+    closedVoxels: number;
+    leaks: number;
+    regions: number;
+    mixedRegions: number;
+    mixedVoxels: number;
+    columns: number;
+    cutVoxels: number;
+    fillVoxels: number;
+    fill: Fill;
+    fillReason: FillReason;
+    turned: number;
+    doubles: number;
+    volume: number;
+    meshVolume: number;
+    thinChecked: boolean;
+    thinResolution: number;
+    thinVoxels: number;
+    thinWall: number;
+    thinLow: Triple;
+    thinHigh: Triple;
+}
+
+/** [bvx_voxelize_options] */
+export interface VoxelizeOptions extends CallOptions, LatticeOptions {
+    fill?: Fill | undefined;
+    window?: WindowIn | undefined;
+    closeGaps?: number | undefined;
+    addShell?: boolean | undefined;
+    checkEdges?: boolean | undefined;
+    axis?: number | undefined;
+    base?: number | undefined;
+    second?: AnyMesh | undefined;
+    checkThin?: boolean | -1 | undefined;
+}
+
+/** [bvx_surface_options] */
+export interface SurfaceOptions extends CallOptions, LatticeOptions {
+    mode?: 'conservative' | 'thin' | 'sampled' | undefined;
+    window?: WindowIn | undefined;
+}
+export interface SurfaceReport {
+    triangles: number;
+    samples: number;
+    parts: number;
+}
+
+/** [bvx_extract_options] */
+export interface ExtractOptions extends CallOptions {
+    faceRule?: FaceRule | undefined;
+    positionType?: PositionType | undefined;
+    /** Bits: 1 x low, 2 x high, 4 y low, 8 y high, 16 z low, 32 z high. */
+    openSides?: number | undefined;
+    localFrame?: boolean | undefined;
+}
+/** [bvx_faces_options] */
+export interface FacesOptions extends CallOptions {
+    positionType?: PositionType | undefined;
+    localFrame?: boolean | undefined;
+    merged?: boolean | undefined;
+}
+
+/** [bvx_morph_options]; with a radius alone the neighbourhood is a ball. */
+export interface MorphOptions extends CallOptions {
+    neighbourhood?: 6 | 18 | 26 | 0 | undefined;
+    steps?: number | undefined;
+    radius?: number | undefined;
+    /** What lies beyond the window: 0 empty, 1 set voxels. */
+    beyond?: 0 | 1 | undefined;
+}
+
+/** [bvx_hollow_options] */
+export interface HollowOptions extends CallOptions {
+    thickness: number;
+    drainRadius?: number | undefined;
+    drainSide?: Side | undefined;
+    drainPlaced?: boolean | undefined;
+    drainAt?: readonly [number, number] | undefined;
+    beyond?: 0 | 1 | undefined;
+}
+export interface HollowReport {
+    hollowed: number;
+    drained: number;
+    drain: Triple;
+}
+
+/** [bvx_distance_options] */
+export interface DistancesOptions extends CallOptions {
+    side?: 'outside' | 'inside' | 'signed' | undefined;
+    beyond?: 'nothing' | 'empty' | 'set' | undefined;
+    type?: 'f32' | 'f64' | undefined;
+}
+
+/** [bvx_repair_options] */
+export interface RepairOptions extends CallOptions {
+    lattice?: LatticeIn | undefined;
+    resolution?: number | undefined;
+    sign?: Sign | undefined;
+    interpolation?: Interpolation | undefined;
+    faceRule?: FaceRule | undefined;
+    /** -1: where the mesh has many sharp edges. */
+    sharp?: boolean | -1 | undefined;
+    positionType?: PositionType | undefined;
+    localFrame?: boolean | undefined;
+    measure?: boolean | undefined;
+    shell?: number | undefined;
+    leastPart?: number | undefined;
+    leastCavity?: number | undefined;
+    targetTriangles?: number | undefined;
+    measureSamples?: number | undefined;
+    keepCrumbs?: boolean | undefined;
+    ifNeeded?: boolean | undefined;
+    thin?: 'keep' | 'shell' | 'drop' | undefined;
+}
+/** [bvx_repair_report] */
+export interface RepairReport {
+    before: Certificate;
+    after: Certificate;
+    lattice: Lattice;
+    sign: Sign;
+    shelled: boolean;
+    holes: number;
+    holeLength: number;
+    longestHole: number;
+    sheetEdges: number;
+    shelledTriangles: number;
+    overlaps: number;
+    partsKept: number;
+    partsDropped: number;
+    cavitiesKept: number;
+    cavitiesDropped: number;
+    searched: number;
+    distance: DistanceReport;
+    meanOffCaps: number;
+    maxOffCaps: number;
+    sharpShare: number;
+    sharp: boolean;
+    needs: 'nothing' | 'lids' | 'manifold' | 'turns' | 'area' | 'outside-in' | 'uncrossing';
+    copied: boolean;
+    thinKept: boolean;
+    crossings: number;
+    crumbs: number;
+    turned: number;
+    thinVoxels: number;
+    thinComponents: number;
+    thinWall: number;
+    thinLow: Triple;
+    thinHigh: Triple;
+    thinResolution: number;
+}
+
+/** [bvx_boolean_options] */
+export interface BooleanOptions extends CallOptions {
+    lattice?: LatticeIn | undefined;
+    resolution?: number | undefined;
+    fill?: 'auto' | 'parity' | 'nonzero' | 'vote' | 'winding' | undefined;
+    interpolation?: Interpolation | undefined;
+    faceRule?: FaceRule | undefined;
+    sharp?: boolean | -1 | undefined;
+    positionType?: PositionType | undefined;
+    localFrame?: boolean | undefined;
+    keepCrumbs?: boolean | undefined;
+    leastPart?: number | undefined;
+}
+/** [bvx_boolean_report] */
+export interface BooleanReport {
+    lattice: Lattice;
+    voxelsA: number;
+    voxelsB: number;
+    voxels: number;
+    surface: FieldSurfaceReport;
+    sharp: boolean;
+    /** Bits: 1 the first mesh, 2 the second, 4 the result has few voxels. */
+    few: number;
+    advisedResolution: number;
+    crumbs: number;
+    partsDropped: number;
+    solidA: SolidReport;
+    solidB: SolidReport;
+}
+/** [bvx_field_surface_report] */
+export type FieldSurfaceReport = Record<string, number>;
+
+/** What levels are for: targets, one a level; with none each level has half of the triangles of the one before. */
+export interface ChainOptions extends CallOptions {
+    /** Levels, where no targets say how many [4]. */
+    count?: number | undefined;
+    targetTriangles?: readonly number[] | Uint32Array | undefined;
+    targetErrors?: readonly number[] | Float64Array | undefined;
+    errorKind?: 'mean' | 'max' | undefined;
+    positionType?: PositionType | undefined;
+    even?: number | undefined;
+    measureSamples?: number | undefined;
+    strict?: boolean | undefined;
+    open?: 'shell' | 'keep' | 'cut' | undefined;
+    colourWeight?: number | undefined;
+}
+/** [bvx_simplify_options] */
+export type SimplifyOptions = ChainOptions;
+/** [bvx_levels_options] */
+export interface LevelsOptions extends ChainOptions {
+    source?: 'auto' | 'mesh' | 'measured' | undefined;
+    lattice?: LatticeIn | undefined;
+    resolution?: number | undefined;
+    sign?: Sign | undefined;
+    sharp?: boolean | -1 | undefined;
+    outer?: boolean | undefined;
+    shell?: number | undefined;
+    leastPart?: number | undefined;
+    leastCavity?: number | undefined;
+}
+/** [bvx_level_report] */
+export interface LevelReport {
+    vertices: number;
+    triangles: number;
+    target: number;
+    targetError: number;
+    met: boolean;
+    measured: boolean;
+    distance: DistanceReport;
+    certificate: Certificate;
+    crossings: number;
+    leastAngle: number;
+    refused: number;
+}
+/** [bvx_levels_report] */
+export interface LevelsReport {
+    source: 'auto' | 'mesh' | 'measured';
+    reason: 'not' | 'asked' | 'open' | 'manifold' | 'flipped' | 'flat' | 'large' | 'crossings' | 'memory';
+    before: Certificate;
+    triangles: number;
+    crossings: number;
+    crumbs: number;
+    repair: RepairReport;
+    doubles: number;
+    turned: number;
+    refusedEdges: number;
+    refusedEdge: number[];
+    resolution: number;
+    plannedResolution: number;
+}
+
+/** [bvx_lod_options]; exactly one of resolutions (samples along the longest axis) and targetTriangles, one number a level. */
+export interface LodOptions extends CallOptions {
+    resolutions?: readonly number[] | undefined;
+    targetTriangles?: readonly number[] | undefined;
+    method?: 'edge-ratio' | 'coverage' | undefined;
+    edgeSamples?: number | undefined;
+    threshold?: number | undefined;
+    sourceTriangles?: number | undefined;
+    faceRule?: FaceRule | undefined;
+    positionType?: PositionType | undefined;
+    localFrame?: boolean | undefined;
+    firstLevel?: number | undefined;
+    collapse?: number | undefined;
+}
+/** [bvx_lod_report] */
+export interface LodReport {
+    resolution: Triple;
+    ratio: Triple;
+    vertices: number;
+    triangles: number;
+    searched: number;
+    exceedsSource: boolean;
+}
+
+/** [bvx_write_options] */
+export interface WriteOptions extends CallOptions {
+    normals?: boolean | undefined;
+    rounding?: 'refuse' | 'allow' | undefined;
+}
+
+export type Status =
+    | 'argument'
+    | 'version'
+    | 'memory'
+    | 'budget'
+    | 'range'
+    | 'empty'
+    | 'format'
+    | 'unsupported'
+    | 'capacity'
+    | 'lattice'
+    | 'cancelled';
+export type Reason =
+    | 'none'
+    | 'unspecified'
+    | 'null'
+    | 'reserved'
+    | 'options'
+    | 'choice'
+    | 'memory'
+    | 'budget'
+    | 'capacity'
+    | 'lattice'
+    | 'cancelled'
+    | 'not-finite'
+    | 'index'
+    | 'floats-coarse'
+    | 'doubles-coarse'
+    | 'several-bodies'
+    | 'loops-meet'
+    | 'loop-flat'
+    | 'compressed';
+
+/** What a call refused and why; status "cancelled" where the signal said so. [bvx_error] */
+export class BitvoxError extends Error {
+    readonly name: 'BitvoxError';
+    readonly status: Status;
+    /** The status as bitvox.h numbers it. */
+    readonly code: number;
+    readonly reason: Reason;
+    /** The function that refused. */
+    readonly function: string;
+    /** Of the vertex, triangle, level ... that the message names first; -1: none. */
+    readonly index: number;
+    /** The numbers of the message. */
+    readonly values: number[];
+    private constructor();
+}
+
+/** The library in a WebAssembly module of its own. All calls work at once and on the thread that calls them. */
+export interface Bitvox {
+    /** Of the library, as "0.1.0". */
+    readonly version: string;
+    /** Bytes: of the module's memory, which grows and never shrinks, and the most that the last call held. */
+    readonly memory: { module: number; peak: number };
+    /** Give the module's memory back, by beginning anew. */
+    reset(): void;
+
+    /** The mesh format that a file name's ending stands for (".gz" is looked through). */
+    formatOfName(name: string): MeshFormat | undefined;
+    /** [bvx_read_mesh]; finite: triangles with a corner that is not finite are left out and counted. */
+    readMesh(
+        bytes: ArrayBuffer | ArrayBufferView,
+        format: MeshFormatIn,
+        options: CallOptions & { finite: true },
+    ): Mesh & { dropped: number };
+    readMesh(
+        bytes: ArrayBuffer | ArrayBufferView,
+        format: MeshFormatIn,
+        options?: CallOptions & { finite?: false | undefined },
+    ): Mesh;
+    /** [bvx_write_mesh_with] */
+    writeMesh(mesh: AnyMesh, format: MeshFormat, options?: WriteOptions): Uint8Array<ArrayBuffer>;
+    /** All levels in one file. [bvx_write_levels] */
+    writeLevels(meshes: readonly AnyMesh[], format: 'glb', options?: CallOptions): Uint8Array<ArrayBuffer>;
+
+    /** [bvx_mesh_check]; weld takes vertices at equal positions for one. */
+    check(mesh: AnyMesh, options?: CallOptions & { weld?: boolean | undefined }): Certificate;
+    /** Pairs of triangles that cross. [bvx_mesh_crossings] */
+    crossings(
+        mesh: AnyMesh,
+        options: CallOptions & { pairs: true },
+    ): { count: number; pairs: Uint32Array<ArrayBuffer> };
+    crossings(mesh: AnyMesh, options?: CallOptions & { pairs?: false | undefined }): { count: number };
+    /** Distances between two meshes. [bvx_mesh_distance] */
+    distance(
+        a: AnyMesh,
+        b: AnyMesh,
+        options?: CallOptions & { samples?: number | undefined; seed?: number | undefined },
+    ): DistanceReport;
+    /** Sixteen hexadecimal digits, the same on every machine. [bvx_mesh_hash], [bvx_grid_hash] */
+    hash(meshOrGrid: AnyMesh | GridIn, options?: CallOptions): string;
+
+    /** Around a mesh or a box. [bvx_lattice_fit_with], [bvx_lattice_fit_box] */
+    fitLattice(mesh: AnyMesh | { low: TripleIn; high: TripleIn }, options: CallOptions & FitOptions): Lattice;
+    /** The voxels whose centres lie inside a mesh. [bvx_voxelize_solid] */
+    voxelize(mesh: AnyMesh, options?: VoxelizeOptions): { grid: Grid; report: SolidReport };
+    /** The voxels that a mesh's surface touches. [bvx_voxelize_surface] */
+    voxelizeSurface(mesh: AnyMesh, options?: SurfaceOptions): { grid: Grid; report: SurfaceReport };
+    /** Marching cubes: closed and manifold. [bvx_extract_surface] */
+    extractSurface(grid: GridIn, options?: ExtractOptions): Mesh;
+    /** The faces of voxels. [bvx_extract_faces] */
+    extractFaces(grid: GridIn, options?: FacesOptions): Mesh;
+
+    /** Set voxels. [bvx_grid_count] */
+    count(grid: GridIn, options?: CallOptions): number;
+    union(a: GridIn, b: GridIn, options?: CallOptions): Grid;
+    intersection(a: GridIn, b: GridIn, options?: CallOptions): Grid;
+    subtract(a: GridIn, b: GridIn, options?: CallOptions): Grid;
+    xor(a: GridIn, b: GridIn, options?: CallOptions): Grid;
+    complement(grid: GridIn, options?: CallOptions): Grid;
+    crop(grid: GridIn, window: WindowIn, options?: CallOptions): Grid;
+    /** Blocks of voxels become voxels. [bvx_grid_downsample] */
+    downsample(
+        grid: GridIn,
+        factor: number | TripleIn,
+        options?: CallOptions & { rule?: 'any' | 'all' | 'majority' | undefined },
+    ): Grid;
+    /** [bvx_grid_dilate] and its neighbours */
+    dilate(grid: GridIn, options?: MorphOptions): Grid;
+    erode(grid: GridIn, options?: MorphOptions): Grid;
+    open(grid: GridIn, options?: MorphOptions): Grid;
+    close(grid: GridIn, options?: MorphOptions): Grid;
+    /** A shell of a body, with a hole to drain it. [bvx_grid_hollow] */
+    hollow(grid: GridIn, options: HollowOptions): { grid: Grid; report: HollowReport };
+    /** Euclidean distances between centres, x fastest, then y, then z. [bvx_grid_distance] */
+    distances(grid: GridIn, options: DistancesOptions & { type: 'f64' }): Float64Array<ArrayBuffer>;
+    distances(
+        grid: GridIn,
+        options?: DistancesOptions & { type?: 'f32' | undefined },
+    ): Float32Array<ArrayBuffer>;
+
+    /** A closed, manifold, oriented mesh without crossing triangles, from any mesh. [bvx_repair] */
+    repair(mesh: AnyMesh, options?: RepairOptions): { mesh: Mesh; report: RepairReport };
+    /** What two bodies have together, alone or in common. [bvx_boolean] */
+    boolean(
+        a: AnyMesh,
+        b: AnyMesh,
+        operation: 'union' | 'intersection' | 'difference' | 'xor',
+        options?: BooleanOptions,
+    ): { mesh: Mesh; report: BooleanReport };
+    /** Levels of detail from any mesh. [bvx_build_levels] */
+    buildLevels(
+        mesh: AnyMesh,
+        options?: LevelsOptions,
+    ): { levels: { mesh: Mesh; report: LevelReport }[]; report: LevelsReport };
+    /** Fewer triangles for a manifold mesh. [bvx_mesh_simplify] */
+    simplify(mesh: AnyMesh, options?: SimplifyOptions): { levels: { mesh: Mesh; report: LevelReport }[] };
+    /** Levels from a solid by coarser lattices. [bvx_build_lods] */
+    buildLods(solid: GridIn, options: LodOptions): { levels: { mesh: Mesh; report: LodReport }[] };
+}
+
+export interface LoadOptions {
+    /** Bytes that a call may hold; 0: what the module's 4 GiB allow. */
+    memoryLimit?: number | undefined;
+}
+
+/** Begin: a module of its own with each call, compiled once. */
+export function load(options?: LoadOptions): Promise<Bitvox>;
+
+/** Is voxel (x, y, z) of the grid's window set? */
+export function gridGet(grid: GridIn, x: number, y: number, z: number): boolean;
+/** Set or clear voxel (x, y, z) of the grid's window. */
+export function gridSet(grid: GridIn, x: number, y: number, z: number, value?: boolean): void;
+/** An empty grid of a lattice, or of a window of it. */
+export function makeGrid(lattice: Lattice, window?: { low: Triple; size: Triple }): Grid;

@@ -1,0 +1,544 @@
+// bitvox.js - the package: typed arrays in, typed arrays out, the C library between them.
+//
+// Each method makes a context, copies its arguments into the module's memory, calls one function of bitvox.h, copies the
+// result out and frees all that it took.
+
+const LATTICE_OPTIONS = ['lattice', 'resolution', 'axisResolution', 'spacing', 'padding'];
+
+const without = (given, names) =>
+    Object.fromEntries(Object.entries(given).filter(([name]) => !names.includes(name)));
+
+// ---- The package ----
+
+/** The library in a module of its own. */
+class Bitvox {
+    #module;
+    #machine;
+    #limit;
+
+    constructor(module, memoryLimit) {
+        this.#module = module;
+        this.#limit = memoryLimit;
+        this.#machine = new Machine(module);
+        const version = this.#machine.c.bvx_version();
+        this.version = `${Math.floor(version / 10000)}.${Math.floor(version / 100) % 100}.${version % 100}`;
+    }
+
+    /** Bytes: held by the module (it grows, and never shrinks), and the most that the last call held. */
+    get memory() {
+        return { module: this.#machine.c.memory.buffer.byteLength, peak: this.#machine.peak ?? 0 };
+    }
+
+    /** Give the module's memory back, by a module that is made anew. */
+    reset() {
+        this.#machine = new Machine(this.#module);
+    }
+
+    #call(name, options, body) {
+        if (options === null || typeof options !== 'object')
+            refuse(name, `options are ${options === null ? 'null' : typeof options}, not an object`);
+        if (this.#machine.broken) this.reset();
+        const machine = this.#machine;
+        const call = new Call(machine, name, options, this.#limit);
+        if (options.signal?.aborted)
+            throw new BitvoxError(`${name}: cancelled before it began`, {
+                status: 'cancelled',
+                reason: 'cancelled',
+                function: name,
+            });
+        try {
+            call.begin();
+            return body(call, machine);
+        } finally {
+            if (!machine.broken) call.end();
+        }
+    }
+
+    // ---- Files ----
+
+    formatOfName(name) {
+        const ending = String(name)
+            .toLowerCase()
+            .replace(/\.gz$/, '')
+            .match(/\.([a-z0-9]+)$/)?.[1];
+        return ['stl', 'obj', 'ply', 'off', 'glb'].includes(ending) ? ending : undefined;
+    }
+
+    readMesh(bytes, format, options = {}) {
+        return this.#call('readMesh', options, (call, machine) => {
+            const mesh = call.result('mesh');
+            const [at, size] = call.bytesIn(bytes);
+            const kind = choiceOf('readMesh', 'format', 'format_', format);
+            if (!options.finite) call.do('bvx_read_mesh', at, size, kind, mesh);
+            else {
+                const dropped = call.block(8);
+                call.do('bvx_read_mesh_finite', at, size, kind, dropped, mesh);
+                return { ...call.meshOut(mesh), dropped: machine.get('u64', dropped) };
+            }
+            return call.meshOut(mesh);
+        });
+    }
+
+    writeMesh(mesh, format, options = {}) {
+        return this.#call('writeMesh', options, call => {
+            const file = call.result('buffer');
+            call.do(
+                'bvx_write_mesh_with',
+                call.mesh(mesh),
+                call.options('write_options', options),
+                choiceOf('writeMesh', 'format', 'format_', format),
+                file,
+            );
+            return call.bufferOut(file);
+        });
+    }
+
+    writeLevels(meshes, format, options = {}) {
+        return this.#call('writeLevels', options, call => {
+            const levels = call.struct('mesh', meshes.length);
+            const file = call.result('buffer');
+            meshes.forEach((mesh, i) => call.mesh(mesh, levels + i * STRUCTS.mesh.size));
+            call.do(
+                'bvx_write_levels',
+                levels,
+                BigInt(meshes.length),
+                choiceOf('writeLevels', 'format', 'format_', format),
+                file,
+            );
+            return call.bufferOut(file);
+        });
+    }
+
+    // ---- Questions ----
+
+    check(mesh, options = {}) {
+        return this.#call('check', options, (call, machine) => {
+            const certificate = call.struct('certificate');
+            call.do('bvx_mesh_check', call.view(mesh), options.weld ? 1 : 0, certificate);
+            return machine.read('certificate', certificate);
+        });
+    }
+
+    crossings(mesh, options = {}) {
+        return this.#call('crossings', options, (call, machine) => {
+            const count = call.block(8),
+                view = call.view(mesh);
+            call.do('bvx_mesh_crossings', view, count, 0, 0n);
+            const found = machine.get('u64', count);
+            if (!options.pairs) return { count: found };
+            const pairs = call.block(found * 8);
+            call.do('bvx_mesh_crossings', view, count, pairs, BigInt(found));
+            return { count: found, pairs: call.array(Uint32Array, pairs, found * 2) };
+        });
+    }
+
+    distance(a, b, options = {}) {
+        return this.#call('distance', options, (call, machine) => {
+            const report = call.struct('distance_report');
+            const samples = numberOf('distance', 'samples', 'u64', options.samples ?? 100000),
+                seed = numberOf('distance', 'seed', 'u64', options.seed ?? 1);
+            call.do(
+                'bvx_mesh_distance',
+                call.view(a, 'the first mesh'),
+                call.view(b, 'the second mesh'),
+                BigInt(samples),
+                BigInt(seed),
+                report,
+            );
+            return machine.read('distance_report', report);
+        });
+    }
+
+    hash(meshOrGrid, options = {}) {
+        return this.#call('hash', options, (call, machine) => {
+            const hash = call.block(8);
+            if (meshOrGrid?.words) call.do('bvx_grid_hash', call.grid(meshOrGrid), hash);
+            else {
+                const mesh = call.mesh(meshOrGrid);
+                if (meshOrGrid.frame) call.put('mesh', mesh, 'frame', meshOrGrid.frame);
+                call.do('bvx_mesh_hash', mesh, hash);
+            }
+            return machine.words.getBigUint64(hash, true).toString(16).padStart(16, '0');
+        });
+    }
+
+    // ---- Lattices and voxels ----
+
+    fitLattice(mesh, options = {}) {
+        return this.#call('fitLattice', options, (call, machine) => {
+            const lattice = call.struct('lattice');
+            if (mesh?.low && mesh.high)
+                call.do(
+                    'bvx_lattice_fit_box',
+                    call.list('low', 'f64', mesh.low),
+                    call.list('high', 'f64', mesh.high),
+                    call.latticeOptions(options),
+                    lattice,
+                );
+            else call.do('bvx_lattice_fit_with', call.view(mesh), call.latticeOptions(options), lattice);
+            return machine.read('lattice', lattice);
+        });
+    }
+
+    voxelize(mesh, options = {}) {
+        return this.#call('voxelize', options, (call, machine) => {
+            const view = call.view(mesh);
+            const report = call.struct('solid_report'),
+                grid = call.result('grid');
+            const given = call.options('voxelize_options', without(options, LATTICE_OPTIONS), {
+                second: (second, at) =>
+                    machine.setField('voxelize_options', at, 'second', call.view(second, 'the second mesh')),
+            });
+            machine.setField('voxelize_options', given, 'report', report);
+            call.do('bvx_voxelize_solid', view, call.latticeFor(view, options), given, grid);
+            return { grid: call.gridOut(grid), report: machine.read('solid_report', report) };
+        });
+    }
+
+    voxelizeSurface(mesh, options = {}) {
+        return this.#call('voxelizeSurface', options, (call, machine) => {
+            const view = call.view(mesh);
+            const report = call.struct('surface_report'),
+                grid = call.result('grid');
+            const given = call.options('surface_options', without(options, LATTICE_OPTIONS));
+            machine.setField('surface_options', given, 'report', report);
+            call.do('bvx_voxelize_surface', view, call.latticeFor(view, options), given, grid);
+            return { grid: call.gridOut(grid), report: machine.read('surface_report', report) };
+        });
+    }
+
+    extractSurface(grid, options = {}) {
+        return this.#extract('extractSurface', 'bvx_extract_surface', 'extract_options', grid, options);
+    }
+
+    extractFaces(grid, options = {}) {
+        return this.#extract('extractFaces', 'bvx_extract_faces', 'faces_options', grid, options);
+    }
+
+    #extract(name, called, struct, grid, options) {
+        return this.#call(name, options, call => {
+            const mesh = call.result('mesh');
+            call.do(called, call.grid(grid), call.options(struct, options), mesh);
+            return call.meshOut(mesh);
+        });
+    }
+
+    // ---- Sets of voxels ----
+
+    count(grid, options = {}) {
+        return this.#call('count', options, (call, machine) => {
+            const count = call.block(8);
+            call.do('bvx_grid_count', call.grid(grid), count);
+            return machine.get('u64', count);
+        });
+    }
+
+    #combine(name, called, a, b, options) {
+        return this.#call(name, options, call => {
+            const made = call.result('grid');
+            call.do(called, call.grid(a, 'the first grid'), call.grid(b, 'the second grid'), made);
+            return call.gridOut(made);
+        });
+    }
+
+    union(a, b, options = {}) {
+        return this.#combine('union', 'bvx_grid_union', a, b, options);
+    }
+    intersection(a, b, options = {}) {
+        return this.#combine('intersection', 'bvx_grid_intersection', a, b, options);
+    }
+    subtract(a, b, options = {}) {
+        return this.#combine('subtract', 'bvx_grid_subtract', a, b, options);
+    }
+    xor(a, b, options = {}) {
+        return this.#combine('xor', 'bvx_grid_xor', a, b, options);
+    }
+
+    #make(name, options, called, grid, args = () => []) {
+        return this.#call(name, options, call => {
+            const made = call.result('grid');
+            call.do(called, call.grid(grid), ...args(call), made);
+            return call.gridOut(made);
+        });
+    }
+
+    complement(grid, options = {}) {
+        return this.#make('complement', options, 'bvx_grid_complement', grid);
+    }
+    crop(grid, window, options = {}) {
+        return this.#make('crop', options, 'bvx_grid_crop', grid, call => [call.window(window)]);
+    }
+
+    downsample(grid, factor, options = {}) {
+        if (typeof factor === 'number') factor = [factor, factor, factor];
+        return this.#make('downsample', options, 'bvx_grid_downsample', grid, call => [
+            call.list('factor', 'i32', factor),
+            choiceOf('downsample', 'rule', 'reduce_', options.rule ?? 'any'),
+        ]);
+    }
+
+    #morph(name, called, grid, options) {
+        return this.#make(name, options, called, grid, call => [
+            call.options(
+                'morph_options',
+                options.radius !== undefined && options.neighbourhood === undefined
+                    ? { ...options, neighbourhood: 0 }
+                    : options,
+            ),
+        ]);
+    }
+
+    dilate(grid, options = {}) {
+        return this.#morph('dilate', 'bvx_grid_dilate', grid, options);
+    }
+    erode(grid, options = {}) {
+        return this.#morph('erode', 'bvx_grid_erode', grid, options);
+    }
+    open(grid, options = {}) {
+        return this.#morph('open', 'bvx_grid_open', grid, options);
+    }
+    close(grid, options = {}) {
+        return this.#morph('close', 'bvx_grid_close', grid, options);
+    }
+
+    hollow(grid, options = {}) {
+        return this.#call('hollow', options, (call, machine) => {
+            const report = call.struct('hollow_report'),
+                made = call.result('grid');
+            const given = call.options('hollow_options', options);
+            machine.setField('hollow_options', given, 'report', report);
+            call.do('bvx_grid_hollow', call.grid(grid), given, made);
+            return { grid: call.gridOut(made), report: machine.read('hollow_report', report) };
+        });
+    }
+
+    distances(grid, options = {}) {
+        return this.#call('distances', options, call => {
+            const { type = 'f32', ...rest } = options;
+            const voxels = grid?.size ? grid.size[0] * grid.size[1] * grid.size[2] : 0;
+            const at = call.grid(grid);
+            if (type !== 'f32' && type !== 'f64')
+                refuse('distances', `type is ${JSON.stringify(type)}; there are f32, f64`, 'choice');
+            const values = call.block(voxels * SIZES[type]);
+            call.do(
+                'bvx_grid_distance',
+                at,
+                call.options('distance_options', rest),
+                type === 'f64' ? 2 : 1,
+                values,
+                BigInt(voxels),
+            );
+            return call.array(type === 'f64' ? Float64Array : Float32Array, values, voxels);
+        });
+    }
+
+    // ---- Meshes ----
+
+    repair(mesh, options = {}) {
+        return this.#call('repair', options, (call, machine) => {
+            const report = call.struct('repair_report'),
+                made = call.result('mesh');
+            const given = call.options('repair_options', options, {
+                lattice: (lattice, at) =>
+                    machine.setField('repair_options', at, 'lattice', call.lattice(lattice)),
+            });
+            machine.setField('repair_options', given, 'report', report);
+            call.do('bvx_repair', call.view(mesh), given, made);
+            return { mesh: call.meshOut(made), report: machine.read('repair_report', report) };
+        });
+    }
+
+    boolean(a, b, operation, options = {}) {
+        return this.#call('boolean', options, (call, machine) => {
+            const report = call.struct('boolean_report'),
+                made = call.result('mesh');
+            const given = call.options('boolean_options', options, {
+                lattice: (lattice, at) =>
+                    machine.setField('boolean_options', at, 'lattice', call.lattice(lattice)),
+            });
+            machine.setField('boolean_options', given, 'report', report);
+            call.do(
+                'bvx_boolean',
+                call.view(a, 'the first mesh'),
+                call.view(b, 'the second mesh'),
+                choiceOf('boolean', 'operation', 'boolean_', operation),
+                given,
+                made,
+            );
+            return { mesh: call.meshOut(made), report: machine.read('boolean_report', report) };
+        });
+    }
+
+    #chain(name, called, struct, mesh, options) {
+        const { count, targetTriangles, targetErrors, ...rest } = options;
+        return this.#call(name, options, (call, machine) => {
+            for (const [what, list] of Object.entries({ targetTriangles, targetErrors })) {
+                if (list !== undefined && !(Array.isArray(list) || ArrayBuffer.isView(list)))
+                    refuse(name, `${what} must be an array, one number a level`);
+                if (list && (targetTriangles ?? list).length !== list.length)
+                    refuse(name, 'targetTriangles and targetErrors must be of one length');
+            }
+            const levels = numberOf(
+                name,
+                'count',
+                'u32',
+                count ?? (targetTriangles ?? targetErrors ?? { length: 4 }).length,
+            );
+            if ((targetTriangles ?? targetErrors ?? { length: levels }).length !== levels)
+                refuse(name, `count is ${levels}, and there are not as many targets`);
+            const reports = call.struct('level_report', levels),
+                made = call.result('mesh', levels);
+            const chain = struct === 'levels_options' ? call.struct('levels_report') : 0;
+            const set = (field, value) => machine.setField(struct, given, field, value);
+            const given = call.options(
+                struct,
+                rest,
+                struct === 'levels_options'
+                    ? {
+                          lattice: (lattice, at) =>
+                              machine.setField(struct, at, 'lattice', call.lattice(lattice)),
+                      }
+                    : {},
+            );
+
+            if (targetTriangles) set('targetTriangles', call.list('targetTriangles', 'u64', targetTriangles));
+            if (targetErrors) set('targetErrors', call.list('targetErrors', 'f64', targetErrors));
+            set('reports', reports);
+            if (chain) set('report', chain);
+            call.do(called, call.view(mesh), given, BigInt(levels), made);
+
+            const out = {
+                levels: Array.from({ length: levels }, (_, i) => ({
+                    mesh: call.meshOut(made + i * STRUCTS.mesh.size),
+                    report: machine.read('level_report', reports + i * STRUCTS.level_report.size),
+                })),
+            };
+            if (chain) out.report = machine.read('levels_report', chain);
+            return out;
+        });
+    }
+
+    buildLevels(mesh, options = {}) {
+        return this.#chain('buildLevels', 'bvx_build_levels', 'levels_options', mesh, options);
+    }
+    simplify(mesh, options = {}) {
+        return this.#chain('simplify', 'bvx_mesh_simplify', 'simplify_options', mesh, options);
+    }
+
+    buildLods(solid, options = {}) {
+        const { resolutions, targetTriangles, ...rest } = options;
+        return this.#call('buildLods', options, (call, machine) => {
+            const targets = resolutions ?? targetTriangles;
+            if (!targets?.length || (resolutions && targetTriangles))
+                refuse('buildLods', 'needs resolutions or targetTriangles, one number a level');
+            const levels = targets.length;
+            const reports = call.struct('lod_report', levels),
+                made = call.result('mesh', levels);
+            const given = call.options('lod_options', rest);
+            if (resolutions)
+                machine.setField(
+                    'lod_options',
+                    given,
+                    'resolutions',
+                    call.list('resolutions', 'i32', resolutions),
+                );
+            else
+                machine.setField(
+                    'lod_options',
+                    given,
+                    'targetTriangles',
+                    call.list('targetTriangles', 'u64', targetTriangles),
+                );
+            machine.setField('lod_options', given, 'reports', reports);
+            call.do('bvx_build_lods', call.grid(solid), given, BigInt(levels), made);
+            return {
+                levels: Array.from({ length: levels }, (_, i) => ({
+                    mesh: call.meshOut(made + i * STRUCTS.mesh.size),
+                    report: machine.read('lod_report', reports + i * STRUCTS.lod_report.size),
+                })),
+            };
+        });
+    }
+}
+
+// ---- Loading ----
+
+let compiled;
+
+/** The module: its bytes are packed, and text in this file. */
+async function compile() {
+    const bytes = Uint8Array.from(atob(MODULE), letter => letter.charCodeAt(0));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
+    return WebAssembly.compile(await new Response(stream).arrayBuffer());
+}
+
+/** The smallest module with an instruction of 128 bits. */
+const SIMD_PROBE = Uint8Array.of(
+    0,
+    97,
+    115,
+    109,
+    1,
+    0,
+    0,
+    0,
+    1,
+    5,
+    1,
+    96,
+    0,
+    1,
+    123,
+    3,
+    2,
+    1,
+    0,
+    10,
+    10,
+    1,
+    8,
+    0,
+    65,
+    0,
+    253,
+    15,
+    253,
+    98,
+    11,
+);
+
+export async function load({ memoryLimit = 0 } = {}) {
+    const limit = numberOf('load', 'memoryLimit', 'u64', memoryLimit);
+    if (!WebAssembly.validate(SIMD_PROBE)) {
+        throw new BitvoxError(
+            'load: WebAssembly has no 128-bit instructions here; Chrome 91, Firefox 89, Safari 16.4 and Node 18 have them',
+            { status: 'unsupported', function: 'load' },
+        );
+    }
+    compiled ??= compile();
+    return new Bitvox(await compiled, limit);
+}
+
+/** Is voxel (x, y, z) of the grid's window set? */
+export function gridGet(grid, x, y, z) {
+    const row = ((grid.size[0] + 63) >> 6) * 2;
+    return ((grid.words[(z * grid.size[1] + y) * row + (x >> 5)] >>> (x & 31)) & 1) === 1;
+}
+
+/** Set or clear voxel (x, y, z) of the grid's window. */
+export function gridSet(grid, x, y, z, value = true) {
+    const row = ((grid.size[0] + 63) >> 6) * 2;
+    const at = (z * grid.size[1] + y) * row + (x >> 5);
+    grid.words[at] = value ? grid.words[at] | (1 << (x & 31)) : grid.words[at] & ~(1 << (x & 31));
+}
+
+/** An empty grid of a lattice, or of a window of it. */
+export function makeGrid(lattice, window = { low: [0, 0, 0], size: lattice.dims }) {
+    const [nx, ny, nz] = window.size;
+    return {
+        lattice,
+        low: [...window.low],
+        size: [...window.size],
+        words: new Uint32Array(2 * ((nx + 63) >> 6) * ny * nz),
+    };
+}

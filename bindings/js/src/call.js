@@ -1,0 +1,395 @@
+// call.js - one call of the library: its context, its arguments in the module's memory, its results copied out.
+//
+// All that a call takes is freed at its end, whatever happened.
+
+const CALL_OPTIONS = new Set(['progress', 'signal', 'memoryLimit']);
+
+/** One call: its context, and all that is to be freed after it. */
+class Call {
+    constructor(machine, name, { progress, signal, memoryLimit = 0 }, limit) {
+        this.machine = machine;
+        this.c = machine.c;
+        this.name = name;
+        this.blocks = [];
+        this.ends = [];
+        if (progress !== undefined && typeof progress !== 'function')
+            refuse(name, `progress is ${typeof progress}, not a function`);
+        this.listener = { progress, signal };
+        this.limit = numberOf(name, 'memoryLimit', 'u64', memoryLimit) || limit;
+    }
+
+    begin() {
+        const { c, machine } = this;
+        const options = this.struct('context_options');
+        c.bvx_context_options_init(options, STRUCTS.context_options.size);
+        machine.setField('context_options', options, 'memoryLimit', this.limit);
+        if (this.listener.progress || this.listener.signal)
+            machine.setField('context_options', options, 'progress', c.bridge_progress());
+        const place = this.block(4);
+        const status = c.bvx_context_create_version(c.bvx_version(), options, place);
+        if (status !== 0)
+            throw new BitvoxError(`${this.name}: no context: ${machine.text(c.bvx_status_text(status))}`, {
+                status: NAMES.status_[status],
+                function: this.name,
+            });
+        this.context = machine.get('u32', place);
+    }
+
+    end() {
+        for (const free of this.ends.reverse()) free();
+        if (this.context) {
+            this.machine.peak = Number(this.c.bvx_memory_peak(this.context));
+            this.c.bvx_context_destroy(this.context);
+        }
+        for (const block of this.blocks.reverse()) this.c.free(block);
+    }
+
+    /** Zeroed memory until the end of the call. */
+    block(size) {
+        const at = this.c.malloc(Math.max(size, 1)) >>> 0;
+        if (at === 0)
+            throw new BitvoxError(`${this.name}: ${size} bytes do not fit the module's memory`, {
+                status: 'memory',
+                reason: 'memory',
+                function: this.name,
+            });
+        this.blocks.push(at);
+        this.machine.bytes.fill(0, at, at + size);
+        return at;
+    }
+
+    copy(array) {
+        const at = this.c.malloc(Math.max(array.byteLength, 1)) >>> 0;
+        if (at === 0)
+            throw new BitvoxError(
+                `${this.name}: ${array.byteLength} bytes of arguments do not fit the module's memory`,
+                { status: 'memory', reason: 'memory', function: this.name },
+            );
+        this.blocks.push(at);
+        this.machine.bytes.set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength), at);
+        return at;
+    }
+
+    struct(name, count = 1) {
+        return this.block(STRUCTS[name].size * count);
+    }
+
+    /** A struct that the library fills, freed by its function. */
+    result(name, count = 1, free = `bvx_${name}_free`) {
+        const at = this.struct(name, count);
+        this.ends.push(() => {
+            for (let i = 0; i < count; i++) this.c[free](this.context, at + i * STRUCTS[name].size);
+        });
+        return at;
+    }
+
+    /** Calls a function of the library, and throws what it refuses. */
+    do(name, ...args) {
+        const { machine } = this;
+        const before = machine.listener;
+        let status;
+
+        machine.listener = this.listener;
+        machine.thrown = undefined;
+        try {
+            status = this.c[name](this.context, ...args);
+        } catch (error) {
+            machine.broken = true; // a trap: memory may be in any state
+            throw error;
+        } finally {
+            machine.listener = before;
+        }
+
+        const { thrown } = machine;
+        machine.thrown = undefined;
+        if (thrown) throw thrown.error;
+        if (status !== 0) throw this.error(status);
+    }
+
+    error(status) {
+        const { machine } = this;
+        const at = this.c.bvx_last_error(this.context) >>> 0;
+        const found = machine.read('error', at);
+        return new BitvoxError(machine.text(machine.field('error', at, 'message')), {
+            status: NAMES.status_[status],
+            reason: found.reason,
+            function: machine.text(machine.field('error', at, 'function')),
+            index: found.index,
+            values: found.value.slice(0, found.valueCount),
+        });
+    }
+
+    /** An options struct: the library's defaults, then what was given. special: fields that are no plain numbers. */
+    options(struct, given, special = {}) {
+        const { machine } = this;
+        const { fields, size } = STRUCTS[struct];
+        const at = this.struct(struct);
+        const known = Object.keys(fields).filter(
+            name =>
+                name !== 'structSize' &&
+                name !== 'report' &&
+                name !== 'reports' &&
+                (fields[name][0] !== 'ptr' || special[name]),
+        );
+
+        this.c[`bvx_${struct}_init`](at, size);
+        for (const [name, value] of Object.entries(given)) {
+            if (value === undefined || CALL_OPTIONS.has(name)) continue;
+            if (!known.includes(name) && !special[name])
+                refuse(
+                    this.name,
+                    `there is no option ${name}; there are ${[...new Set([...known, ...Object.keys(special)]), ...CALL_OPTIONS].join(', ')}`,
+                    'options',
+                );
+            if (special[name]) special[name](value, at);
+            else this.put(struct, at, name, value);
+        }
+        return at;
+    }
+
+    put(struct, at, name, value) {
+        const { machine } = this;
+        const [type, offset, count, meaning] = STRUCTS[struct].fields[name];
+        if (STRUCTS[type]) {
+            for (const [part, inner] of Object.entries(value)) {
+                if (!STRUCTS[type].fields[part]) refuse(this.name, `there is no ${name}.${part}`);
+                this.put(type, at + offset, part, inner);
+            }
+        } else if (count) {
+            if (value?.length !== count)
+                refuse(this.name, `${name} has ${value?.length} numbers; it needs ${count}`);
+            for (let i = 0; i < count; i++)
+                machine.set(
+                    type,
+                    at + offset + i * SIZES[type],
+                    numberOf(this.name, `${name}[${i}]`, type, value[i]),
+                );
+        } else if (meaning && meaning !== 'yes')
+            machine.set(type, at + offset, choiceOf(this.name, name, meaning, value));
+        else machine.set(type, at + offset, numberOf(this.name, name, type, value));
+    }
+
+    /** Numbers of the caller's as an array of the library's. */
+    list(what, type, values) {
+        const numbers = Array.from(values, (value, i) => numberOf(this.name, `${what}[${i}]`, type, value));
+        return this.copy(ARRAYS[type].from(type === 'u64' ? numbers.map(BigInt) : numbers));
+    }
+
+    // ---- Meshes ----
+
+    /** A mesh of the caller's in the module's memory: arrays and their types. */
+    meshArrays(mesh, what) {
+        const { name } = this;
+        if (mesh?.attributes?.position)
+            mesh = { positions: mesh.attributes.position.array, triangles: mesh.index?.array }; // three.js
+        let { positions, triangles, colours } = mesh ?? {};
+        if (positions === undefined) refuse(name, `${what} has no positions`, 'null');
+        if (Array.isArray(positions)) positions = Float64Array.from(positions);
+        if (!(positions instanceof Float32Array || positions instanceof Float64Array))
+            refuse(
+                name,
+                `positions of ${what} must be a Float32Array, a Float64Array or an array of numbers`,
+            );
+        if (positions.length % 3 !== 0)
+            refuse(name, `positions of ${what} are ${positions.length} numbers, not three a vertex`);
+        if (Array.isArray(triangles))
+            triangles.forEach((value, i) => numberOf(name, `triangles[${i}]`, 'u32', value));
+        if (Array.isArray(triangles) || triangles instanceof Int32Array)
+            triangles = Uint32Array.from(triangles);
+        if (triangles && !(triangles instanceof Uint32Array || triangles instanceof Uint16Array))
+            refuse(name, `triangles of ${what} must be a Uint32Array, a Uint16Array or an array of numbers`);
+        if ((triangles ?? positions).length % (triangles ? 3 : 9) !== 0)
+            refuse(
+                name,
+                triangles
+                    ? `triangles of ${what} are ${triangles.length} numbers, not three a triangle`
+                    : `${what} has no triangles, and its ${positions.length / 3} vertices are not three a triangle`,
+            );
+        if (
+            colours &&
+            !(
+                ArrayBuffer.isView(colours) &&
+                colours.BYTES_PER_ELEMENT === 1 &&
+                colours.length === (positions.length / 3) * 4
+            )
+        )
+            refuse(name, `colours of ${what} must be a Uint8Array of four numbers a vertex`);
+        return { positions, triangles, colours, doubles: positions instanceof Float64Array };
+    }
+
+    view(mesh, what = 'the mesh') {
+        const { machine } = this;
+        const { positions, triangles, colours, doubles } = this.meshArrays(mesh, what);
+        const at = this.struct('mesh_view');
+        const set = (name, value) => machine.setField('mesh_view', at, name, value);
+
+        set('positions', this.copy(positions));
+        if (triangles) set('indices', this.copy(triangles));
+        set('vertexCount', positions.length / 3);
+        set('triangleCount', (triangles ? triangles.length : positions.length / 3) / 3);
+        set('positionType', doubles ? 2 : 1);
+        set('indexType', triangles instanceof Uint16Array ? 1 : 2);
+        if (colours) set('colours', this.copy(colours));
+        return at;
+    }
+
+    /** The struct that writers take. */
+    mesh(mesh, at = this.struct('mesh')) {
+        const { machine } = this;
+        let { positions, triangles, colours, doubles } = this.meshArrays(mesh, 'the mesh');
+        if (!triangles) triangles = Uint32Array.from({ length: positions.length / 3 }, (_, i) => i);
+        if (triangles instanceof Uint16Array) triangles = Uint32Array.from(triangles);
+        const { uvs, uvTriangles } = mesh;
+        const set = (name, value) => machine.setField('mesh', at, name, value);
+
+        set('positions', this.copy(positions));
+        set('triangles', this.copy(triangles));
+        for (const name of ['vertexCount', 'vertexCapacity']) set(name, positions.length / 3);
+        for (const name of ['triangleCount', 'triangleCapacity']) set(name, triangles.length / 3);
+        set('positionType', doubles ? 2 : 1);
+        if (colours) set('colours', this.copy(colours));
+        if (uvs instanceof Float32Array) {
+            if (
+                uvTriangles
+                    ? !(uvTriangles instanceof Uint32Array && uvTriangles.length === triangles.length)
+                    : uvs.length !== (positions.length / 3) * 2
+            )
+                refuse(
+                    this.name,
+                    'uvs must be two numbers a vertex, or uvTriangles a Uint32Array of three numbers a triangle',
+                );
+            set('uvs', this.copy(uvs));
+            set('uvCount', uvs.length / 2);
+            if (uvTriangles) set('uvTriangles', this.copy(uvTriangles));
+        }
+        return at;
+    }
+
+    array(Type, at, count) {
+        return count === 0
+            ? new Type(0)
+            : new Type(this.machine.bytes.slice(at, at + count * Type.BYTES_PER_ELEMENT).buffer);
+    }
+
+    meshOut(at) {
+        const { machine } = this;
+        const get = name => machine.field('mesh', at, name);
+        const doubles = get('positionType') === 2;
+        const made = {
+            positions: this.array(
+                doubles ? Float64Array : Float32Array,
+                get('positions'),
+                get('vertexCount') * 3,
+            ),
+            triangles: this.array(Uint32Array, get('triangles'), get('triangleCount') * 3),
+        };
+        if (get('colours')) made.colours = this.array(Uint8Array, get('colours'), get('vertexCount') * 4);
+        if (get('uvs'))
+            made.uvs = this.array(
+                Float32Array,
+                get('uvs'),
+                (get('uvTriangles') ? get('uvCount') : get('vertexCount')) * 2,
+            );
+        if (get('uvTriangles'))
+            made.uvTriangles = this.array(Uint32Array, get('uvTriangles'), get('triangleCount') * 3);
+        const frame = machine.read('mesh', at).frame;
+        if (frame.some(x => x !== 0)) made.frame = frame;
+        return made;
+    }
+
+    // ---- Grids ----
+
+    lattice(lattice, at = this.struct('lattice')) {
+        const { name } = this;
+        if (!lattice?.origin || !lattice.spacing || !lattice.dims)
+            refuse(name, 'a lattice has origin, spacing and dims');
+        if (lattice.fractionBits === undefined) {
+            const parts = [
+                this.list('origin', 'f64', lattice.origin),
+                this.list('spacing', 'f64', lattice.spacing),
+                this.list('dims', 'i32', lattice.dims),
+            ];
+            this.do('bvx_lattice_make', ...parts, at);
+        } else
+            for (const field of Object.keys(STRUCTS.lattice.fields))
+                this.put('lattice', at, field, lattice[field]);
+        return at;
+    }
+
+    window(window) {
+        if (window === undefined) return 0;
+        const at = this.struct('window');
+        for (const field of ['low', 'size']) this.put('window', at, field, window[field]);
+        return at;
+    }
+
+    /** From a lattice that is given, or fitted to the mesh. */
+    latticeFor(view, { lattice, resolution, axisResolution, spacing, padding }) {
+        const at = this.struct('lattice');
+        if (lattice) return this.lattice(lattice, at);
+        if (resolution === undefined && axisResolution === undefined && spacing === undefined)
+            resolution = 256;
+        this.do(
+            'bvx_lattice_fit_with',
+            view,
+            this.latticeOptions({ resolution, axisResolution, spacing, padding }),
+            at,
+        );
+        return at;
+    }
+
+    latticeOptions(given) {
+        if (typeof given.spacing === 'number')
+            given = { ...given, spacing: [given.spacing, given.spacing, given.spacing] };
+        return this.options('lattice_options', given);
+    }
+
+    grid(grid, what = 'the grid') {
+        const { machine, name } = this;
+        if (!(grid?.words instanceof Uint32Array) || !grid.lattice || !grid.low || !grid.size)
+            refuse(name, `${what} has no lattice, low, size and words`, 'null');
+        const at = this.struct('grid');
+        this.lattice(grid.lattice, at + STRUCTS.grid.fields.lattice[1]);
+        this.put('grid', at, 'low', grid.low);
+        this.put('grid', at, 'size', grid.size);
+        const row = (grid.size[0] + 63) >> 6;
+        const needed = row * grid.size[1] * grid.size[2];
+        if (grid.words.length !== 2 * needed)
+            refuse(name, `words of ${what} are ${grid.words.length} numbers; its size needs ${2 * needed}`);
+        machine.setField('grid', at, 'wordsPerRow', row);
+        machine.setField('grid', at, 'words', this.copy(grid.words));
+        machine.setField('grid', at, 'wordCapacity', needed);
+        return at;
+    }
+
+    gridOut(at) {
+        const { machine } = this;
+        const { lattice, low, size, wordsPerRow } = machine.read('grid', at);
+        return {
+            lattice,
+            low,
+            size,
+            words: this.array(
+                Uint32Array,
+                machine.field('grid', at, 'words'),
+                2 * wordsPerRow * size[1] * size[2],
+            ),
+        };
+    }
+
+    bytesIn(bytes) {
+        if (bytes instanceof ArrayBuffer) bytes = new Uint8Array(bytes);
+        if (!ArrayBuffer.isView(bytes))
+            refuse(this.name, 'the bytes of a file must be an ArrayBuffer or a typed array', 'null');
+        return [this.copy(bytes), BigInt(bytes.byteLength)];
+    }
+
+    bufferOut(at) {
+        const { machine } = this;
+        return this.array(
+            Uint8Array,
+            machine.field('buffer', at, 'bytes'),
+            machine.field('buffer', at, 'size'),
+        );
+    }
+}

@@ -1,0 +1,363 @@
+// api.test.mjs - what the package promises beside the bits: errors, progress, cancelling, memory, arguments of every kind.
+// BITVOX_JS: the package's folder. Run from the repository root.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { resolve } from 'node:path';
+import { test } from 'node:test';
+import { pathToFileURL } from 'node:url';
+import { ball, soup, torus } from './shapes.mjs';
+
+const { BitvoxError, gridGet, load } = await import(
+    pathToFileURL(resolve(process.env.BITVOX_JS, 'bitvox.js'))
+);
+const bitvox = await load();
+const tetrahedron = {
+    positions: new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]),
+    triangles: new Uint32Array([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]),
+};
+
+/** What a call throws. */
+function thrown(call) {
+    try {
+        call();
+    } catch (error) {
+        return error;
+    }
+    assert.fail('nothing was thrown');
+}
+
+// ---- Arguments ----
+
+test('the count of the README', () => {
+    const { grid, report } = bitvox.voxelize(tetrahedron, { resolution: 64 });
+    assert.equal(bitvox.count(grid), 43680);
+    assert.equal(report.fill, 'parity');
+    assert.equal(gridGet(grid, 0, 0, 0), true);
+    assert.equal(gridGet(grid, 63, 63, 63), false);
+    assert.equal(
+        bitvox.version,
+        readFileSync('include/bitvox.h', 'utf8')
+            .match(/VERSION_(MAJOR|MINOR|PATCH) \d+/g)
+            .map(x => x.split(' ')[1])
+            .join('.'),
+    );
+});
+
+test('all kinds of arrays are one mesh', () => {
+    const want = bitvox.hash(bitvox.voxelize(tetrahedron, { resolution: 20 }).grid);
+    const { positions, triangles } = tetrahedron;
+    const loose = Array.from(triangles, v => Array.from(positions.subarray(3 * v, 3 * v + 3))).flat();
+    for (const mesh of [
+        { positions: Array.from(positions), triangles: Array.from(triangles) },
+        { positions: Float64Array.from(positions), triangles: Uint16Array.from(triangles) },
+        { positions, triangles: Int32Array.from(triangles) },
+        { positions: new Float32Array(loose) },
+        { attributes: { position: { array: positions } }, index: { array: triangles } },
+        { attributes: { position: { array: new Float32Array(loose) } }, index: null },
+    ])
+        assert.equal(bitvox.hash(bitvox.voxelize(mesh, { resolution: 20 }).grid), want);
+    const view = new Float32Array(new Float32Array([9, ...positions, 9]).buffer, 4, 12); // a part of a buffer
+    assert.equal(bitvox.hash(bitvox.voxelize({ positions: view, triangles }, { resolution: 20 }).grid), want);
+});
+
+test('results are arrays of their own, and inputs stay', () => {
+    const before = tetrahedron.positions.slice();
+    const made = bitvox.repair(tetrahedron, { resolution: 16 }).mesh;
+    const kept = made.positions.slice();
+    bitvox.reset();
+    bitvox.repair(soup(50, 3), { resolution: 16 });
+    assert.deepEqual(made.positions, kept);
+    assert.deepEqual(tetrahedron.positions, before);
+    assert.equal(made.positions.byteOffset, 0);
+    assert.equal(made.positions.buffer.byteLength, made.positions.byteLength);
+});
+
+test('formats come back', () => {
+    const mesh = torus(24, 12, 0, 1),
+        want = bitvox.check(mesh);
+    for (const format of ['stl', 'obj', 'ply', 'off']) {
+        const again = bitvox.check(bitvox.readMesh(bitvox.writeMesh(mesh, format), format));
+        assert.equal(again.triangles, want.triangles);
+        assert.equal(again.closed, true);
+    }
+    const glb = bitvox.writeLevels(
+        bitvox.simplify(mesh).levels.map(level => level.mesh),
+        'glb',
+    );
+    assert.equal(new TextDecoder().decode(glb.subarray(0, 4)), 'glTF');
+    assert.equal(bitvox.formatOfName('Scan.PLY.gz'), 'ply');
+    assert.equal(bitvox.formatOfName('scan.txt'), undefined);
+    assert.ok(bitvox.writeMesh(mesh, 'ply', { normals: true }).length > bitvox.writeMesh(mesh, 'ply').length);
+    const coloured = { ...mesh, colours: new Uint8Array((mesh.positions.length / 3) * 4).fill(7) };
+    assert.deepEqual(bitvox.readMesh(bitvox.writeMesh(coloured, 'ply'), 'ply').colours, coloured.colours);
+    const text = new TextEncoder().encode('OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n3 0 1 2\n3 0 1 3\n');
+    assert.equal(bitvox.readMesh(text, 'off', { finite: true }).dropped, 1);
+    assert.equal(thrown(() => bitvox.readMesh(text, 'off')).status, 'range');
+});
+
+test('distances, crossings, planes', () => {
+    const a = ball(8),
+        b = { positions: a.positions.map(x => x * 2), triangles: a.triangles };
+    const { max, mean } = bitvox.distance(a, b, { samples: 1000 });
+    assert.ok(max < 1.1 && mean > 0.8);
+    assert.equal(bitvox.crossings(a).count, 0);
+    const found = bitvox.crossings(soup(40, 5), { pairs: true });
+    assert.equal(found.pairs.length, 2 * found.count);
+    assert.ok(found.count > 0);
+    const { grid } = bitvox.voxelize(a, { resolution: 16 });
+    const signed = bitvox.distances(grid, { side: 'signed', type: 'f64' });
+    assert.equal(signed.filter(x => x < 0).length, bitvox.count(grid));
+    assert.ok(bitvox.distances(grid) instanceof Float32Array);
+    assert.equal(
+        bitvox.count(bitvox.crop(grid, { low: [0, 0, 0], size: [16, 16, 8] })) * 2,
+        bitvox.count(grid),
+    );
+    assert.deepEqual(
+        bitvox.fitLattice({ low: [0, 0, 0], high: [2, 1, 1] }, { spacing: 0.5 }).dims,
+        [4, 2, 2],
+    );
+});
+
+// ---- Errors ----
+
+test('errors say status, reason, function and element', () => {
+    const wrong = thrown(() => bitvox.check({ positions: tetrahedron.positions, triangles: [0, 1, 7] }));
+    assert.ok(wrong instanceof BitvoxError && wrong instanceof Error);
+    assert.deepEqual(
+        [wrong.name, wrong.status, wrong.code, wrong.reason, wrong.function, wrong.index],
+        ['BitvoxError', 'range', 5, 'index', 'bvx_mesh_check', 0],
+    );
+    assert.match(wrong.message, /^bvx_mesh_check: .*7/);
+
+    const nan = thrown(() =>
+        bitvox.voxelize(
+            { positions: [0, 0, NaN, 1, 0, 0, 0, 1, 0], triangles: [0, 1, 2] },
+            { resolution: 4 },
+        ),
+    );
+    assert.deepEqual([nan.status, nan.reason], ['range', 'not-finite']);
+    assert.equal(
+        thrown(() => bitvox.readMesh(new TextEncoder().encode('ply\nnonsense'), 'ply')).status,
+        'format',
+    );
+    assert.equal(thrown(() => bitvox.readMesh(new Uint8Array(0), 'stl')).status, 'empty');
+    assert.equal(thrown(() => bitvox.voxelize({ positions: [], triangles: [] })).status, 'empty');
+    const [a, b] = [4, 5].map(resolution => bitvox.voxelize(tetrahedron, { resolution }).grid);
+    assert.deepEqual(
+        [thrown(() => bitvox.union(a, b)).status, thrown(() => bitvox.union(a, b)).reason],
+        ['lattice', 'lattice'],
+    );
+    assert.equal(
+        thrown(() =>
+            bitvox.simplify({ ...tetrahedron, triangles: tetrahedron.triangles.slice(3) }, { open: 'shell' }),
+        ).status,
+        'argument',
+    );
+});
+
+test('wrong arguments are refused before the library sees them', () => {
+    const refused = (call, text, status = 'argument') => {
+        const error = thrown(call);
+        assert.ok(error instanceof BitvoxError, `${error.stack}`);
+        assert.match(error.message, text);
+        assert.equal(error.status, status);
+    };
+    refused(
+        () => bitvox.voxelize(tetrahedron, { resolutoin: 5 }),
+        /^voxelize: there is no option resolutoin; there are fill, window/,
+    );
+    refused(
+        () => bitvox.voxelize(tetrahedron, { fill: 'even' }),
+        /fill is "even"; there are parity, nonzero/,
+    );
+    refused(() => bitvox.voxelize(tetrahedron, { fill: 'toString' }), /fill is "toString"/);
+    refused(
+        () => bitvox.voxelize(tetrahedron, { resolution: 1.5 }),
+        /resolution is 1.5; it must be a whole number/,
+        'range',
+    );
+    refused(() => bitvox.voxelize(tetrahedron, { resolution: '64' }), /resolution is string, not a number/);
+    refused(() => bitvox.voxelize(tetrahedron, null), /options are null/);
+    refused(() => bitvox.voxelize(undefined), /the mesh has no positions/);
+    refused(
+        () => bitvox.voxelize({ positions: new Float32Array(4), triangles: [] }),
+        /4 numbers, not three a vertex/,
+    );
+    refused(
+        () => bitvox.voxelize({ positions: new Float32Array(9), triangles: [0, 1] }),
+        /2 numbers, not three a triangle/,
+    );
+    refused(
+        () => bitvox.voxelize({ positions: new Float32Array(9), triangles: [0, 1, -1] }),
+        /triangles\[2\] is -1/,
+        'range',
+    );
+    refused(() => bitvox.voxelize({ positions: new Int8Array(9) }), /must be a Float32Array/);
+    refused(
+        () => bitvox.voxelize(tetrahedron, { lattice: { origin: [0, 0, 0] } }),
+        /a lattice has origin, spacing and dims/,
+    );
+    refused(
+        () =>
+            bitvox.voxelize(tetrahedron, {
+                lattice: { origin: [0, 0, 0], spacing: [1, 1, 1], dims: [2, 2, 1e9] },
+            }),
+        /1000000000 voxels along z/,
+        'range',
+    );
+    refused(
+        () =>
+            bitvox.count({
+                ...bitvox.voxelize(tetrahedron, { resolution: 4 }).grid,
+                words: new Uint32Array(3),
+            }),
+        /words of the grid are 3 numbers/,
+    );
+    refused(() => bitvox.readMesh('text', 'stl'), /must be an ArrayBuffer/);
+    refused(() => bitvox.readMesh(new Uint8Array(1), 'xls'), /format is "xls"/);
+    refused(() => bitvox.buildLevels(tetrahedron, { count: 2, targetTriangles: [1] }), /count is 2/);
+    refused(() => bitvox.repair(tetrahedron, { progress: 1 }), /progress is number/);
+    refused(() => bitvox.boolean(tetrahedron, tetrahedron, 'minus'), /operation is "minus"; there are union/);
+});
+
+// ---- Progress and cancelling ----
+
+test('progress rises to 1 and names stages', () => {
+    const fractions = [],
+        stages = new Set();
+    bitvox.buildLevels(torus(96, 40, 0.25, 7), {
+        resolution: 64,
+        progress: (fraction, stage) => (fractions.push(fraction), stages.add(stage), undefined),
+    });
+    assert.ok(fractions.length > 20 && stages.size > 3);
+    assert.ok(fractions.every((x, i) => i === 0 || x >= fractions[i - 1]));
+    assert.equal(fractions.at(-1), 1);
+});
+
+test('a signal cancels, an exception passes, results of progress count for nothing', () => {
+    const mesh = torus(96, 40, 0.25, 7),
+        controller = new AbortController();
+    const late = new AbortController();
+    const cancelled = thrown(() =>
+        bitvox.repair(mesh, {
+            signal: late.signal,
+            progress: fraction => {
+                if (fraction > 0.3) late.abort();
+            },
+        }),
+    );
+    assert.ok(bitvox.repair(mesh, { resolution: 32, progress: () => true }).report.after.closed);
+    assert.deepEqual([cancelled.status, cancelled.reason, cancelled.code], ['cancelled', 'cancelled', 11]);
+    assert.equal(
+        thrown(() =>
+            bitvox.repair(mesh, {
+                progress: () => {
+                    throw new TypeError('mine');
+                },
+            }),
+        ).message,
+        'mine',
+    );
+    assert.equal(
+        thrown(() => bitvox.repair(mesh, { signal: controller.signal, progress: () => controller.abort() }))
+            .status,
+        'cancelled',
+    );
+    assert.equal(thrown(() => bitvox.repair(mesh, { signal: controller.signal })).status, 'cancelled');
+    assert.equal(bitvox.repair(mesh, { resolution: 32 }).report.after.closed, true);
+});
+
+test('a call within a progress report', () => {
+    let inner = 0;
+    const { report } = bitvox.repair(tetrahedron, {
+        resolution: 32,
+        progress: () => {
+            inner += bitvox.count(bitvox.voxelize(tetrahedron, { resolution: 8 }).grid);
+        },
+    });
+    assert.ok(inner > 0 && report.after.closed);
+});
+
+// ---- Memory ----
+
+test('nothing is left after calls, whatever became of them', () => {
+    const mesh = torus(96, 40, 0.25, 7);
+    const round = () => {
+        bitvox.buildLevels(mesh, { resolution: 48 });
+        thrown(() =>
+            bitvox.repair(mesh, {
+                progress: fraction => {
+                    if (fraction > 0.5) throw new Error('enough');
+                },
+            }),
+        );
+        thrown(() =>
+            bitvox.readMesh(
+                new TextEncoder().encode('ply\nformat ascii 1.0\nelement vertex 1000000\n'),
+                'ply',
+            ),
+        );
+        thrown(() => bitvox.voxelize(mesh, { fill: 'even' }));
+    };
+    for (let i = 0; i < 3; i++) round();
+    const before = bitvox.memory.module;
+    for (let i = 0; i < 25; i++) round();
+    assert.equal(bitvox.memory.module, before);
+});
+
+test('a memory limit is kept and named', async () => {
+    const small = await load({ memoryLimit: 1 << 20 });
+    assert.deepEqual([thrown(() => small.voxelize(tetrahedron, { resolution: 512 })).status], ['budget']);
+    assert.equal(small.count(small.voxelize(tetrahedron, { resolution: 64 }).grid), 43680);
+    assert.equal(
+        thrown(() => bitvox.voxelize(tetrahedron, { resolution: 512, memoryLimit: 100000 })).reason,
+        'budget',
+    );
+    assert.ok(bitvox.voxelize(tetrahedron, { resolution: 64 }) && bitvox.memory.peak > 0);
+    const before = small.memory.module;
+    small.voxelize(tetrahedron, { resolution: 512, memoryLimit: 1 << 30 });
+    small.reset();
+    assert.ok(small.memory.module <= before);
+});
+
+test('more than the module can hold is an error, and the next call works', () => {
+    const huge = thrown(() => bitvox.voxelize(tetrahedron, { resolution: 8000 }));
+    assert.ok(['memory', 'budget'].includes(huge.status), huge.message);
+    assert.equal(bitvox.count(bitvox.voxelize(tetrahedron, { resolution: 64 }).grid), 43680);
+    bitvox.reset();
+});
+
+// ---- The types ----
+
+test('index.d.ts names all that is there, and no more', () => {
+    const types = readFileSync('bindings/js/index.d.ts', 'utf8');
+    const fieldsOf = name =>
+        [
+            ...types
+                .match(new RegExp(`export (?:interface|type) ${name}\\b[^{]*\\{([^]*?)\\n\\}`))[1]
+                .replace(/\/\*[^]*?\*\//g, '')
+                .matchAll(/^ {4}(?:readonly )?(\w+)\??[:(]/gm),
+        ]
+            .map(match => match[1])
+            .sort();
+    const same = (object, name) => assert.deepEqual(Object.keys(object).sort(), fieldsOf(name), name);
+    const mesh = torus(24, 12, 0, 1);
+    const { grid, report } = bitvox.voxelize(mesh, { resolution: 8 });
+    same(report, 'SolidReport');
+    same(grid, 'Grid');
+    same(grid.lattice, 'Lattice');
+    same(bitvox.voxelizeSurface(mesh, { resolution: 8 }).report, 'SurfaceReport');
+    same(bitvox.check(mesh), 'Certificate');
+    same(bitvox.distance(mesh, mesh, { samples: 10 }), 'DistanceReport');
+    same(bitvox.repair(mesh, { resolution: 8 }).report, 'RepairReport');
+    same(bitvox.boolean(mesh, mesh, 'union', { resolution: 8 }).report, 'BooleanReport');
+    const levels = bitvox.buildLevels(mesh);
+    same(levels.report, 'LevelsReport');
+    same(levels.levels[0].report, 'LevelReport');
+    same(bitvox.buildLods(grid, { resolutions: [4] }).levels[0].report, 'LodReport');
+    same(bitvox.hollow(grid, { thickness: 1 }).report, 'HollowReport');
+    const methods = Object.getOwnPropertyNames(Object.getPrototypeOf(bitvox)).filter(
+        name => name !== 'constructor',
+    );
+    assert.deepEqual([...methods, 'version'].sort(), [...new Set(fieldsOf('Bitvox'))].sort());
+});

@@ -1,0 +1,319 @@
+// golden.test.mjs - the package gives the bits of the library's golden rows (fixtures/golden), which all native builds give.
+// BITVOX_JS: the package's folder. Run from the repository root.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { resolve } from 'node:path';
+import { test } from 'node:test';
+import { pathToFileURL } from 'node:url';
+import { Random, ball, soup, torus } from './shapes.mjs';
+
+const { gridGet, gridSet, load, makeGrid } = await import(
+    pathToFileURL(resolve(process.env.BITVOX_JS, 'bitvox.js'))
+);
+const bitvox = await load();
+
+/** A stored row: [key, value] in order; keys may come twice. */
+function stored(table, name) {
+    const line = readFileSync(`fixtures/golden/${table}.txt`, 'utf8')
+        .split('\n')
+        .find(row => row.startsWith(`${name} `));
+    assert.ok(line, `${table}.txt has ${name}`);
+    return line
+        .slice(name.length + 1)
+        .split(' ')
+        .map(pair => pair.split('='));
+}
+
+/** All pairs that were computed stand in the row in this order. */
+function compare(table, name, found) {
+    const row = stored(table, name);
+    let at = 0;
+    for (const [key, value] of found) {
+        at = row.findIndex(([k], i) => i >= at && k === key);
+        assert.ok(at >= 0, `${name} has ${key}`);
+        assert.equal(String(value), row[at][1], `${name} ${key}`);
+        at++;
+    }
+}
+
+const hash = thing => bitvox.hash(thing);
+
+// ---- Solids, surfaces and levels of coarser lattices ----
+
+const solids = [
+    ['torus_130', torus(96, 40, 0.25, 7), 130, 'parity'],
+    ['torus_64_nonzero', torus(96, 40, 0.25, 7), 64, 'nonzero'],
+    ['torus_130_window', torus(96, 40, 0.25, 7), 130, 'parity', { low: [17, 5, 3], size: [65, 70, 11] }],
+    ['ball_63', ball(20), 63, 'parity'],
+    ['soup_65_nonzero', soup(300, 11), 65, 'nonzero'],
+    ['soup_65_auto', soup(300, 11), 65, 'auto'],
+];
+for (const [name, mesh, resolution, fill, window] of solids) {
+    test(`solid.txt ${name}`, () => {
+        const { grid, report } = bitvox.voxelize(mesh, { resolution, fill, window });
+        const surface = bitvox.extractSurface(grid);
+        const found = [
+            ['nx', grid.lattice.dims[0]],
+            ['ny', grid.lattice.dims[1]],
+            ['nz', grid.lattice.dims[2]],
+            ['set', bitvox.count(grid)],
+            ['bits', hash(grid)],
+            ['crossings', report.crossings],
+            ['unbalanced', report.unbalancedRows],
+            ['triangles', surface.triangles.length / 3],
+            ['surface', hash(surface)],
+            ['joined_f64', hash(bitvox.extractSurface(grid, { faceRule: 'join', positionType: 'f64' }))],
+            [
+                'open_local',
+                hash(
+                    bitvox.extractSurface(grid, {
+                        faceRule: 'join',
+                        positionType: 'f64',
+                        openSides: 63,
+                        localFrame: true,
+                    }),
+                ),
+            ],
+        ];
+        if (!window) {
+            for (const method of ['edge-ratio', 'coverage']) {
+                const { levels } = bitvox.buildLods(grid, { method, resolutions: [24, 13, 6] });
+                levels.forEach((level, i) =>
+                    found.push([
+                        (method === 'coverage' ? 'coverage' : 'ratio') + [24, 13, 6][i],
+                        hash(level.mesh),
+                    ]),
+                );
+            }
+            found.push([
+                'collapsed',
+                hash(bitvox.buildLods(grid, { targetTriangles: [1500], collapse: 2.5 }).levels[0].mesh),
+            ]);
+        }
+        compare('solid', name, found);
+    });
+}
+
+test('voxel_surface.txt', () => {
+    for (const [name, mesh, resolution] of [
+        ['torus_130', torus(96, 40, 0.25, 7), 130],
+        ['torus_17', torus(96, 40, 0.25, 7), 17],
+        ['soup_65', soup(300, 11), 65],
+    ]) {
+        const found = [];
+        for (const mode of ['conservative', 'thin', 'sampled']) {
+            const { grid } = bitvox.voxelizeSurface(mesh, { resolution, mode });
+            if (mode === 'thin')
+                found.push(
+                    ['faces', hash(bitvox.extractFaces(grid))],
+                    ['merged', hash(bitvox.extractFaces(grid, { merged: true }))],
+                );
+            found.push(['bits', hash(grid)]);
+        }
+        compare('voxel_surface', name, found);
+    }
+});
+
+// ---- Set algebra and booleans ----
+
+test('algebra.txt', () => {
+    const a = torus(48, 20, 0.25, 7),
+        b = ball(12);
+    for (let i = 0; i < b.positions.length; i += 3) b.positions[i] += 2;
+    const lattice = bitvox.fitLattice(a, { resolution: 66 });
+    const first = bitvox.voxelize(a, { lattice }).grid,
+        second = bitvox.voxelize(b, { lattice }).grid;
+    compare('algebra', 'torus_and_ball', [
+        ['union', hash(bitvox.union(first, second))],
+        ['intersection', hash(bitvox.intersection(first, second))],
+        ['difference', hash(bitvox.subtract(first, second))],
+        ['xor', hash(bitvox.xor(first, second))],
+        ['complement', hash(bitvox.complement(first))],
+        ...['any', 'all', 'majority'].map(rule => [
+            rule,
+            hash(bitvox.downsample(first, [3, 2, 5], { rule })),
+        ]),
+    ]);
+    compare(
+        'algebra',
+        'meshes',
+        ['union', 'intersection', 'difference', 'xor'].map((operation, i) => [
+            operation,
+            hash(bitvox.boolean(a, b, operation, { resolution: 40, sharp: i % 2 === 1 }).mesh),
+        ]),
+    );
+});
+
+// ---- Morphology ----
+
+function pittedTorus(stretched) {
+    const mesh = torus(48, 20, 0.25, 7),
+        random = new Random(3);
+    const { grid } = bitvox.voxelize(
+        mesh,
+        stretched ? { axisResolution: [70, 43, 21], padding: 2 } : { resolution: 66, padding: 2 },
+    );
+    for (let z = 0; z < grid.size[2]; z++)
+        for (let y = 0; y < grid.size[1]; y++)
+            for (let x = 0; x < grid.size[0]; x++)
+                if (random.next() % 40 === 0) gridSet(grid, x, y, z, !gridGet(grid, x, y, z));
+    return grid;
+}
+
+function fewSpecks(stretched) {
+    const random = new Random(17),
+        size = [301, 27, 21];
+    const grid = makeGrid(
+        {
+            origin: [-3, 0.7, 11],
+            spacing: [
+                [0.3, 0.3, 0.3],
+                [0.3, 0.47, 0.21],
+            ][stretched],
+            dims: [340, 30, 25],
+        },
+        { low: [3, 0, 2], size },
+    );
+    for (let i = 0; i < 4; i++) {
+        const [x, y, z] = size.map(side => random.next() % side);
+        gridSet(grid, x, y, z);
+    }
+    return grid;
+}
+
+function morphed(grid, second, neighbourhood, steps, radius) {
+    return ['dilate', 'erode', 'open', 'close'].map((call, i) => {
+        const options = {
+            neighbourhood,
+            steps,
+            radius: radius * Math.min(...grid.lattice.spacing),
+            beyond: second === grid ? (i + steps) & 1 : Number(i === 1 || i === 2),
+        };
+        return [
+            call + (neighbourhood || Math.floor(radius)),
+            hash(bitvox[call](i === 1 || i === 2 ? second : grid, options)),
+        ];
+    });
+}
+
+for (const stretched of [0, 1]) {
+    test(`morphology.txt ${stretched ? 'stretched' : 'cubic'}`, () => {
+        const grid = pittedTorus(stretched),
+            name = stretched ? 'stretched' : 'cubic';
+        const [, second] = grid.lattice.spacing,
+            [first] = grid.lattice.spacing;
+        const hollowed = [
+            ['hollow', 0, 'z-low'],
+            ['drained_z', 2 * first, 'z-low'],
+            ['drained_x', 2 * first, 'x-high'],
+        ].map(([key, drainRadius, drainSide]) => [
+            key,
+            hash(bitvox.hollow(grid, { thickness: 1.1 * second, drainRadius, drainSide }).grid),
+        ]);
+        compare('morphology', `torus_${name}`, [
+            ...morphed(grid, grid, 6, 1, 0),
+            ...morphed(grid, grid, 18, 3, 0),
+            ...morphed(grid, grid, 26, 2, 0),
+            ...morphed(grid, grid, 0, 1, 2.3),
+            ...hollowed,
+        ]);
+        const specks = fewSpecks(stretched),
+            rest = bitvox.complement(specks);
+        compare('morphology', `specks_${name}`, [
+            ...morphed(specks, rest, 6, 30, 0),
+            ...morphed(specks, rest, 0, 1, 15),
+            ...morphed(specks, rest, 0, 1, 37),
+        ]);
+    });
+}
+
+// ---- Repair ----
+
+test('repair.txt', () => {
+    const open = torus(96, 40, 0.25, 7),
+        disc = ball(24),
+        loose = soup(300, 11);
+    open.triangles = open.triangles.slice(0, -2100);
+    for (let i = 2; i < disc.positions.length; i += 3) disc.positions[i] *= 0.01;
+    for (const [name, mesh, resolution, sign, thin] of [
+        ['torus_48_open', open, 48, 'auto', 'keep'],
+        ['torus_48_open_vote', open, 48, 'vote', 'keep'],
+        ['torus_48_open_shell', open, 48, 'auto', 'shell'],
+        ['thin_disc_48', disc, 48, 'auto', 'keep'],
+        ['thin_disc_48_shell', disc, 48, 'auto', 'shell'],
+        ['soup_32', loose, 32, 'auto', 'keep'],
+        ['soup_32_vote', loose, 32, 'vote', 'keep'],
+    ]) {
+        compare(
+            'repair',
+            name,
+            [
+                ['plain', false],
+                ['sharp', true],
+            ].map(([key, sharp]) => {
+                const { mesh: made, report } = bitvox.repair(mesh, { resolution, sign, sharp, thin });
+                assert.ok(
+                    report.after.closed &&
+                        report.after.edgeManifold &&
+                        report.after.vertexManifold &&
+                        report.after.oriented,
+                );
+                return [key, hash(made)];
+            }),
+        );
+    }
+});
+
+// ---- Levels ----
+
+const levelRows = levels =>
+    levels.flatMap(({ mesh, report }, i) => [
+        ['triangles', mesh.triangles.length / 3],
+        [['fine', 'coarse'][i], hash(mesh)],
+        ['met', Number(report.met)],
+    ]);
+const simplified = (mesh, options) =>
+    levelRows(bitvox.simplify(mesh, { targetTriangles: [900, 120], even: 0.000001, ...options }).levels);
+const built = (mesh, options) => {
+    const { levels, report } = bitvox.buildLevels(mesh, {
+        targetTriangles: options.targetErrors ? undefined : [1500, 100],
+        sharp: -1,
+        ...options,
+    });
+    return [
+        ['source', { mesh: 1, measured: 2 }[report.source]],
+        ['surface', report.triangles],
+        ['crumbs', report.crumbs],
+        ...levelRows(levels),
+    ];
+};
+
+test('levels.txt simplified', () => {
+    const mesh = torus(96, 40, 0.25, 7);
+    compare('levels', 'torus_f32', simplified(mesh, { positionType: 'f32', open: 'shell' }));
+    compare('levels', 'torus_f64', simplified(mesh, { positionType: 'f64', open: 'shell' }));
+    compare('levels', 'torus_even', simplified(mesh, { positionType: 'f64', even: 0.5, open: 'shell' }));
+    const sheet = { ...mesh, triangles: mesh.triangles.slice(0, -6000) };
+    compare('levels', 'sheet_f32', simplified(sheet, { positionType: 'f32', open: 'keep' }));
+    compare('levels', 'ball_loose', simplified(ball(20), { positionType: 'f64', open: 'shell' }));
+});
+
+test('levels.txt built', () => {
+    const mesh = torus(96, 40, 0.25, 7);
+    compare('levels', 'torus_sound', built(mesh, {}));
+    compare('levels', 'torus_measured', built(mesh, { positionType: 'f32', resolution: 60, sharp: false }));
+    compare(
+        'levels',
+        'torus_measured_f64_sharp',
+        built(mesh, { positionType: 'f64', resolution: 60, sharp: true }),
+    );
+    compare('levels', 'torus_by_error', built(mesh, { targetErrors: [0.02, 0.08] }));
+    compare('levels', 'soup', built(soup(60, 11), { resolution: 40 }));
+});
+
+test('levels.txt knot, read from its file', () => {
+    const knot = bitvox.readMesh(readFileSync('fixtures/knot.ply'), 'ply');
+    compare('levels', 'knot_read', [['triangles', knot.triangles.length / 3]]);
+    compare('levels', 'knot_f32', simplified(knot, { positionType: 'f32', open: 'shell' }));
+    compare('levels', 'knot_f64', simplified(knot, { positionType: 'f64', open: 'shell' }));
+});

@@ -1,0 +1,45 @@
+// wrong.ts - uses that the types must refuse: each line says so, and tsc fails where one is allowed.
+import { BitvoxError, load } from 'bitvox';
+import type { Grid, Mesh } from 'bitvox';
+
+const bitvox = await load();
+declare const mesh: Mesh;
+declare const grid: Grid;
+
+// @ts-expect-error no such option
+bitvox.voxelize(mesh, { resolutoin: 64 });
+// @ts-expect-error no such rule
+bitvox.voxelize(mesh, { fill: 'even' });
+// @ts-expect-error a number
+bitvox.voxelize(mesh, { resolution: '64' });
+// @ts-expect-error no mesh
+bitvox.voxelize([0, 0, 0]);
+// @ts-expect-error bytes
+bitvox.readMesh('scan.ply', 'ply');
+// @ts-expect-error GLB is written, not read
+bitvox.readMesh(new Uint8Array(4), 'glb');
+// @ts-expect-error one level a file
+bitvox.writeLevels([mesh], 'stl');
+// @ts-expect-error targets are a list
+bitvox.buildLevels(mesh, { targetTriangles: 1000 });
+// @ts-expect-error no such operation
+bitvox.boolean(mesh, mesh, 'minus');
+// @ts-expect-error a grid and a mesh
+bitvox.union(grid, mesh);
+// @ts-expect-error thickness is required
+bitvox.hollow(grid, {});
+// @ts-expect-error two coordinates
+bitvox.fitLattice({ low: [0, 0], high: [1, 1] }, { resolution: 4 });
+// @ts-expect-error floats where doubles are said
+const doubles: Float64Array = bitvox.distances(grid);
+// @ts-expect-error pairs were not asked for
+bitvox.crossings(mesh).pairs;
+// @ts-expect-error results of the library alone
+new BitvoxError('mine');
+// @ts-expect-error not counted
+bitvox.readMesh(new Uint8Array(4), 'stl').dropped;
+// @ts-expect-error it is to be awaited
+load().version;
+// @ts-expect-error read only
+bitvox.version = '2';
+console.log(doubles);
