@@ -34,7 +34,7 @@ writeFileSync(`${folder}/layout.h`, layoutHeader(header));
 // speed, all others for size.
 const HOT = new Set(
     `nearest nearest_band nearest_brick nearest_build nearest_cell nearest_eight nearest_fill nearest_order nearest_pairs
-    nearest_parts nearest_sieve crossing_pairs closest closest_build point_triangle check radix cross collapse star box_tree
+    nearest_leaf nearest_sieve nearest_ties crossing_pairs closest closest_build point_triangle check radix cross collapse star box_tree
     thin sheet sheet_rows crossings solid_rows snap field_cuts emit count`.split(/\s+/),
 );
 
