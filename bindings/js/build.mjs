@@ -70,7 +70,7 @@ const linking = [
 ];
 
 const files = readdirSync('src')
-    .filter(room => room !== 'cli' && statSync(`src/${room}`).isDirectory())
+    .filter(room => !room.startsWith('cli') && statSync(`src/${room}`).isDirectory())
     .flatMap(room =>
         readdirSync(`src/${room}`)
             .filter(name => name.endsWith('.c'))
