@@ -1,6 +1,7 @@
 #!/bin/sh
 # amalgamate.sh FOLDER - all of the library's sources as two files, FOLDER/bitvox.c and FOLDER/bitvox.h.
-# Internal headers are put where they are first included; nothing else changes. Run from the repository root.
+# Internal headers are put where they are first included, those named ..._body.h wherever they are; nothing else changes. Run from
+# the repository root.
 set -eu
 out=$1
 mkdir -p "$out"
@@ -41,7 +42,7 @@ END
                     sub(/[^\/]*$/, "", folder)
                     name = (getline line < ("src/" name)) >= 0 ? "src/" name : folder name
                     close(name)
-                    if (!seen[name]) show(name)
+                    if (!seen[name] || name ~ /_body\.h$/) show(name)
                 } else print line
             }
             close(path)

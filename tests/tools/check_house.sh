@@ -141,7 +141,7 @@ nobody_reads_messages() {
 includes() {
     # shellcheck disable=SC2086
     grep -n -E '^[[:space:]]*#[[:space:]]*include[[:space:]]*<' $core_files |
-        grep -v -E '<(stddef|stdint|string|stdarg|math|immintrin|arm_neon)\.h>' |
+        grep -v -E '<(stddef|stdint|string|stdarg|math|immintrin|arm_neon|wasm_simd128)\.h>' |
         grep -v -E '^src/core/heap\.c:[0-9]+:#include <stdlib\.h>|^src/core/(threads|processors)\.c:' \
             >"$work/includes.txt"
     empty "$work/includes.txt" 'forbidden include'
