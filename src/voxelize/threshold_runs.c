@@ -5,6 +5,7 @@
  * ends. Counts are taken while the samples are at hand: a block without NaN and infinity, the usual one, by the extremes of all
  * of it, any other sample by sample. The portable path is the specification. */
 #include "voxelize/threshold.h"
+#include "core/simd.h"
 
 #if BVXI_HAVE_AVX2
 #include <immintrin.h>
@@ -194,60 +195,19 @@ RANGE_TYPE(f64, double, BVX_SAMPLE_F64, d, any_odd_f64)
 
 /* ---- floats, eight at a time ---- */
 
-#if BVXI_HAVE_AVX2
-/* What range_run_f32 does, for the whole words of a row without gaps: bits by the signs of comparisons, extremes and whether there
- * is anything but finite numbers on the way. Extremes ignore NaN in either operand's place, as such blocks are counted anew. */
-BVXI_AVX2 static int32_t range_words_f32_avx2(const bvxi_range *r, bvxi_range_tally *t, const uint8_t *p, int32_t n, uint64_t *words)
-{
-    __m256 const low = _mm256_set1_ps(r->low.f), high = _mm256_set1_ps(r->high.f);
-    __m256i const no_sign = _mm256_set1_epi32(0x7fffffff), greatest_finite = _mm256_set1_epi32(0x7f7fffff);
-    __m256 least = _mm256_set1_ps(3.4028234663852886e38f), greatest = _mm256_set1_ps(-3.4028234663852886e38f);
-    float lanes[16];
-    uint64_t inside = 0;
-    int any = 0;
-    for (int32_t k = 0; k < n; k++, p += 256) {
-        __m256i odd = _mm256_setzero_si256();
-        __m256 small = least, large = greatest;
-        uint64_t w = 0;
-        for (int32_t i = 0; i < 8; i++) {
-            __m256 const v = _mm256_loadu_ps((const float *)(const void *)(p + 32 * i));
-            __m256 const in = _mm256_and_ps(_mm256_cmp_ps(v, low, _CMP_GE_OQ), _mm256_cmp_ps(v, high, _CMP_LE_OQ));
-            w |= (uint64_t)(uint32_t)_mm256_movemask_ps(in) << 8 * i;
-            if (t == NULL) continue;
-            odd = _mm256_or_si256(odd, _mm256_cmpgt_epi32(_mm256_and_si256(_mm256_castps_si256(v), no_sign), greatest_finite));
-            small = _mm256_min_ps(v, small);
-            large = _mm256_max_ps(v, large);
-        }
-        words[k] = w;
-        if (t == NULL) continue;
-        inside += (uint64_t)__builtin_popcountll(w);
-        if (!_mm256_testz_si256(odd, odd)) {
-            count_each(p, BVX_SAMPLE_F32, 64, t);
-            continue;
-        }
-        least = small;
-        greatest = large;
-        any = 1;
-    }
-    if (t == NULL) return n;
-    t->inside += inside;
-    _mm256_storeu_ps(lanes, least);
-    _mm256_storeu_ps(lanes + 8, greatest);
-    for (int32_t l = 1; l < 8; l++) {
-        lanes[0] = lanes[l] < lanes[0] ? lanes[l] : lanes[0];
-        lanes[8] = lanes[8 + l] > lanes[8] ? lanes[8 + l] : lanes[8];
-    }
-    if (any) count_each((const uint8_t *)lanes, BVX_SAMPLE_F32, 1, t);
-    if (any) count_each((const uint8_t *)(lanes + 8), BVX_SAMPLE_F32, 1, t);
-    return n;
-}
+#if BVXI_SIMD_BASE
+#define BVXI_SIMD_LEVEL _base
+#define range_run_f32_base range_run_f32
+#include "voxelize/threshold_runs_body.h"
+#undef BVXI_SIMD_LEVEL
+#else
+#define range_rows_f32_base range_run_f32
+#endif
 
-BVXI_AVX2 static void range_rows_f32_avx2(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n, uint64_t *words)
-{
-    const bvxi_range *const r = rule;
-    int32_t const whole = stride == 4 && !r->empty ? range_words_f32_avx2(r, tally, p, n >> 6, words) : 0;
-    if (64 * whole < n) range_run_f32_avx2(rule, tally, p + (size_t)whole * 256, stride, n - 64 * whole, words + whole);
-}
+#if BVXI_HAVE_AVX2
+#define BVXI_SIMD_LEVEL _avx2
+#include "voxelize/threshold_runs_body.h"
+#undef BVXI_SIMD_LEVEL
 #endif
 
 /* ---- the choice ---- */
@@ -255,7 +215,7 @@ BVXI_AVX2 static void range_rows_f32_avx2(const void *rule, void *tally, const u
 bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type)
 {
     static bvxi_bits_fn *const portable[11] = {NULL, range_run_u8, range_run_i8, range_run_u16, range_run_i16, range_run_u32,
-                                               range_run_i32, range_run_u64, range_run_i64, range_run_f32, range_run_f64};
+                                               range_run_i32, range_run_u64, range_run_i64, range_rows_f32_base, range_run_f64};
 #if BVXI_HAVE_AVX2
     static bvxi_bits_fn *const fast[11] = {NULL, range_run_u8_avx2, range_run_i8_avx2, range_run_u16_avx2, range_run_i16_avx2,
                                            range_run_u32_avx2, range_run_i32_avx2, range_run_u64_avx2, range_run_i64_avx2,
