@@ -128,10 +128,12 @@ row clang-19-O3 '' CC=clang-19 CFLAGS=-O3 WERROR=1
 row clang-19-native '' CC=clang-19 'CFLAGS=-O3 -march=native'
 for threads in 1 2 3 8; do row threads-$threads '' CC=gcc CFLAGS=-O3 WERROR=1 -- --threads $threads; done
 
-# There are two sets of kernels, chosen at run time: each is forced. The last row has no word of a compiler's own (builtins,
+# There are two sets of kernels, chosen at run time: each is forced. Those written for vectors (src/core/simd.h) run as arrays in the
+# row arrays, where the portable set would ask element by element; aarch64 has NEON, and arrays too. The last row has no word of a compiler's own (builtins,
 # attributes), as for a compiler that is none of GNU's kind; the headers of musl bear that.
 row portable '' CC=gcc CFLAGS=-O3 WERROR=1 -- --portable
 row avx2 '' CC=gcc CFLAGS=-O3 WERROR=1 -- --avx2
+row arrays '' CC=gcc 'CFLAGS=-O3 -DBVX_SIMD_ARRAYS' WERROR=1 -- --portable
 row flushed-avx2 '' CC=gcc CFLAGS=-O3 WERROR=1 -- --flush --threads 1 --avx2
 row flushed-portable '' CC=clang CFLAGS=-O3 WERROR=1 -- --flush --threads 1 --portable
 row plain-c '' CC=musl-gcc 'CFLAGS=-O2 -U__GNUC__' $static THREADS=0 ZLIB=0
@@ -144,6 +146,7 @@ row clang-i686 '' 'CC=clang --target=i686-linux-gnu' CFLAGS=-O2 $static $bare
 row clang-aarch64 qemu-aarch64 'CC=clang --target=aarch64-linux-gnu' CFLAGS=-O2 $static $bare
 row aarch64 qemu-aarch64 CC=aarch64-linux-gnu-gcc AR=aarch64-linux-gnu-ar CFLAGS=-O2 $static $bare
 row aarch64-O3 qemu-aarch64 CC=aarch64-linux-gnu-gcc AR=aarch64-linux-gnu-ar CFLAGS=-O3 $static $bare -- --flush
+row aarch64-arrays qemu-aarch64 CC=aarch64-linux-gnu-gcc AR=aarch64-linux-gnu-ar 'CFLAGS=-O2 -DBVX_SIMD_ARRAYS' $static $bare
 row armhf qemu-arm CC=arm-linux-gnueabihf-gcc AR=arm-linux-gnueabihf-ar CFLAGS=-O2 $static $bare
 row riscv64 qemu-riscv64 CC=riscv64-linux-gnu-gcc AR=riscv64-linux-gnu-ar CFLAGS=-O2 $static $bare
 row ppc64el qemu-ppc64le CC=powerpc64le-linux-gnu-gcc AR=powerpc64le-linux-gnu-ar CFLAGS=-O2 $static $bare
@@ -152,7 +155,10 @@ row s390x qemu-s390x CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 $st
 # Other systems.
 export WINEDEBUG=-all WINEPREFIX="${WINEPREFIX:-$(cd "$matrix" && pwd)/wine}"
 row windows wine CC=x86_64-w64-mingw32-gcc AR=x86_64-w64-mingw32-ar CFLAGS=-O2 $static $bare SUFFIX=.exe
-row wasm node CC=emcc AR=emar CFLAGS=-O2 'LDFLAGS=-O1 -sNODERAWFS=1 -sSINGLE_FILE=1 -sALLOW_MEMORY_GROWTH=1' THREADS=0 ZLIB=0
+for simd in '' -msimd128; do
+    row wasm${simd:+-simd} node CC=emcc AR=emar "CFLAGS=-O2 $simd" 'LDFLAGS=-O1 -sNODERAWFS=1 -sSINGLE_FILE=1 -sALLOW_MEMORY_GROWTH=1' \
+        THREADS=0 ZLIB=0
+done
 
 # No system at all; its table is one line, which bare.sh compares with the stored one.
 if asked cortex-m3; then check cortex-m3 sh tests/tools/bare.sh; fi
