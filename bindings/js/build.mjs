@@ -53,7 +53,7 @@ const flags = [
     `-I${folder}`,
 ];
 const linking = [
-    '-O3',
+    '-Oz',
     '-msimd128',
     '-mbulk-memory',
     '-sSTANDALONE_WASM',

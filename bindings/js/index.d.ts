@@ -314,6 +314,7 @@ export interface BooleanOptions extends CallOptions {
     sharp?: boolean | -1 | undefined;
     positionType?: PositionType | undefined;
     localFrame?: boolean | undefined;
+    thin?: 'keep' | 'drop' | undefined;
     keepCrumbs?: boolean | undefined;
     leastPart?: number | undefined;
 }
@@ -328,6 +329,8 @@ export interface BooleanReport {
     /** Bits: 1 the first mesh, 2 the second, 4 the result has few voxels. */
     few: number;
     advisedResolution: number;
+    /** Bits: 1 the first mesh's, 2 the second's thin walls were kept. */
+    thinKept: number;
     crumbs: number;
     partsDropped: number;
     solidA: SolidReport;

@@ -19,7 +19,7 @@ const TYPES = {
 const camel = name => name.replace(/_([a-z0-9])/g, (_, letter) => letter.toUpperCase());
 const choiceName = (constant, prefix) => constant.slice(prefix.length).toLowerCase().replace(/_/g, '-');
 
-/** Choices by prefix: { BVX_FILL_: { parity: 0, ... } }. The first enumeration of a prefix wins; lists win over enumerations. */
+/** Choices by prefix: { BVX_FILL_: { parity: 0, ... } }. Lists win over enumerations. */
 function readChoices(header) {
     const choices = {};
 
@@ -40,14 +40,12 @@ function readChoices(header) {
     for (const [, body] of header.matchAll(/^enum \{((?:[^#}]|\n)*)\}/gm)) {
         const constants = [...body.replace(/\/\*[^]*?\*\//g, '').matchAll(/(BVX_[A-Z0-9_]+) = (\d+)/g)];
         if (constants.length < 2) continue;
-        const first = constants[0][1];
-        let shared = first;
+        let shared = constants[0][1];
         for (const [, constant] of constants)
             while (!constant.startsWith(shared)) shared = shared.slice(0, -1);
         const prefix = shared.slice(0, shared.lastIndexOf('_') + 1);
-        const key = prefix === 'BVX_OPEN_' && first === 'BVX_OPEN_X_LOW' ? 'BVX_OPEN_SIDE_' : prefix;
-        if (prefix === 'BVX_' || choices[key]) continue;
-        choices[key] = Object.fromEntries(
+        if (prefix === 'BVX_' || choices[prefix]) continue;
+        choices[prefix] = Object.fromEntries(
             constants.map(([, constant, value]) => [choiceName(constant, prefix), Number(value)]),
         );
     }
@@ -61,8 +59,8 @@ function meaningOf(name, comment, choices) {
     if (name === 'position_type') return 'BVX_POSITION_';
     if (name === 'open') return 'BVX_OPEN_';
     if (name === 'error_kind') return 'BVX_ERROR_';
-    if (name === 'drain_side') return 'BVX_OPEN_SIDE_';
-    if (name === 'few' || name === 'open_sides') return undefined;
+    if (name === 'drain_side') return 'BVX_SIDE_';
+    if (name === 'open_sides' || /^\s*BVX_(FEW|KEPT)_/.test(comment)) return undefined; // bits
     const constant =
         comment.match(/^\s*(?:[^.(]*?: )?(BVX_[A-Z0-9_]+)/)?.[1] ??
         comment.match(/BVX_[A-Z]+_\.\.\./)?.[0].slice(0, -3);
@@ -143,7 +141,9 @@ export function layoutTable({ structs, choices }, wanted) {
             keep(type);
             const row = [type.replace(/^bvx_/, ''), offset, count];
             if (meaning && type === 'i32') row.push(meaning.replace(/^BVX_/, '').toLowerCase());
-            if (meaning && choices[meaning]) used[meaning] = true;
+            if (meaning && meaning !== 'yes' && !choices[meaning])
+                throw new Error(`${name}.${field}: no choices ${meaning}`);
+            if (meaning && meaning !== 'yes') used[meaning] = true;
             fields[camel(field)] = row;
         }
         kept[name] = { size: structs[name].size, fields };
