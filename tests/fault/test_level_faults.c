@@ -240,14 +240,14 @@ static bvx_status plan(void *user, bvx_context *ctx)
 
 static bvx_status plan_samples(void *user, bvx_context *ctx)
 {
-    uint64_t const targets[2] = {500, 100};
+    uint64_t const counts[2] = {500, 100};
     int32_t resolution = 0;
     bvx_lod_options o;
     bvx_status status;
     (void)user;
 
     bvx_lod_options_init(&o, sizeof o);
-    o.target_triangles = targets;
+    o.target_triangles = counts;
     status = bvx_plan_lods(ctx, &spoilt_view, &o, 2, 0, &resolution, NULL);
     if (status == BVX_OK) assert_true(resolution > 0);
     return status;
