@@ -58,7 +58,8 @@
 #define four_mask BVXI_SIMD(bvxi_four_mask)
 #define four_all BVXI_SIMD(bvxi_four_all)       /* (double): in each lane */
 #define four_load BVXI_SIMD(bvxi_four_load)     /* (const double *), any alignment */
-#define four_columns BVXI_SIMD(bvxi_four_columns) /* (const float *a, *b, *c, *d, doubles4 to[4]): to[i] is a[i] b[i] c[i] d[i] */
+#define four_columns_f32 BVXI_SIMD(bvxi_four_columns_f32) /* (const float *a, *b, *c, *d, doubles4 to[4]): to[i] is a[i] b[i] c[i] d[i] */
+#define four_columns_f64 BVXI_SIMD(bvxi_four_columns_f64) /* the same from doubles */
 #define four_store BVXI_SIMD(bvxi_four_store)   /* (double *, x) */
 #define four_first BVXI_SIMD(bvxi_four_first)   /* (x): the double of lane 0 */
 #define four_add BVXI_SIMD(bvxi_four_add)       /* (x, y) */

@@ -51,7 +51,7 @@ BVXI_AVX2_IS(bvxi_eight_load_bytes_avx2, __m256, (const uint8_t *from), _mm256_l
 BVXI_AVX2_IS(bvxi_eight_load_two_avx2, __m256, (const float *low, const float *high),
              _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(low)), _mm_loadu_ps(high), 1))
 
-BVXI_AVX2 BVXI_VECTOR_INLINE void bvxi_four_columns_avx2(const float *a, const float *b, const float *c, const float *d, __m256d to[4])
+BVXI_AVX2 BVXI_VECTOR_INLINE void bvxi_four_columns_f32_avx2(const float *a, const float *b, const float *c, const float *d, __m256d to[4])
 {
     __m128 const ra = _mm_loadu_ps(a), rb = _mm_loadu_ps(b), rc = _mm_loadu_ps(c), rd = _mm_loadu_ps(d);
     __m128 const low_ab = _mm_unpacklo_ps(ra, rb), high_ab = _mm_unpackhi_ps(ra, rb);
@@ -61,6 +61,18 @@ BVXI_AVX2 BVXI_VECTOR_INLINE void bvxi_four_columns_avx2(const float *a, const f
     to[1] = _mm256_cvtps_pd(_mm_movehl_ps(low_cd, low_ab));
     to[2] = _mm256_cvtps_pd(_mm_movelh_ps(high_ab, high_cd));
     to[3] = _mm256_cvtps_pd(_mm_movehl_ps(high_cd, high_ab));
+}
+
+BVXI_AVX2 BVXI_VECTOR_INLINE void bvxi_four_columns_f64_avx2(const double *a, const double *b, const double *c, const double *d, __m256d to[4])
+{
+    __m256d const ra = _mm256_loadu_pd(a), rb = _mm256_loadu_pd(b), rc = _mm256_loadu_pd(c), rd = _mm256_loadu_pd(d);
+    __m256d const even_ab = _mm256_unpacklo_pd(ra, rb), odd_ab = _mm256_unpackhi_pd(ra, rb);
+    __m256d const even_cd = _mm256_unpacklo_pd(rc, rd), odd_cd = _mm256_unpackhi_pd(rc, rd);
+
+    to[0] = _mm256_permute2f128_pd(even_ab, even_cd, 0x20);
+    to[1] = _mm256_permute2f128_pd(odd_ab, odd_cd, 0x20);
+    to[2] = _mm256_permute2f128_pd(even_ab, even_cd, 0x31);
+    to[3] = _mm256_permute2f128_pd(odd_ab, odd_cd, 0x31);
 }
 
 BVXI_AVX2 BVXI_VECTOR_INLINE void bvxi_eight_columns_avx2(const __m256 row[8], void *to, size_t stride)
