@@ -516,7 +516,8 @@ BVX_API bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view 
 
 /** The nearest points of count points, x y z each [Units: world]. Distances are those of one stated evaluation in
  *  doubles, so results depend on nothing but mesh and point. Returns BVX_ERR_ARGUMENT, BVX_ERR_RANGE (a point that is
- *  not finite, with its number), BVX_CANCELLED. Memory: none. Cost: O(log triangles) a point near the surface, more far off
+ *  not finite, with its number), BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED. Memory: none up to 64 points, else 24 bytes a
+ *  point, at most 1.5 MiB. Cost: O(log triangles) a point near the surface, more far off
  *  (distance is infinity where it is beyond the largest double). */
 BVX_API bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                     uint64_t count, bvx_closest_point *found);

@@ -6,6 +6,7 @@
  * in two where that makes the boxes smaller.
  * The order shows in no answer, so it needs to be no particular one. */
 #include "field/nearest_order.h"
+#include "bits/curve.h"
 #include "mesh/radix.h"
 
 enum {
@@ -44,17 +45,6 @@ static void place_near_vertices(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* Bit i of the low 21 goes to bit 3 i. */
-static inline uint64_t spread_near_bits(uint64_t x)
-{
-    x = (x | x << 32) & UINT64_C(0x001f00000000ffff);
-    x = (x | x << 16) & UINT64_C(0x001f0000ff0000ff);
-    x = (x | x << 8) & UINT64_C(0x100f00f00f00f00f);
-    x = (x | x << 4) & UINT64_C(0x10c30c30c30c30c3);
-    x = (x | x << 2) & UINT64_C(0x1249249249249249);
-    return x;
-}
-
 /* Ten bits an axis above the triangle's number, or all there are. */
 static void make_near_keys(void *user, int32_t index, int32_t worker)
 {
@@ -71,10 +61,10 @@ static void make_near_keys(void *user, int32_t index, int32_t worker)
         uint64_t const sum = b->vertex[c[0]] + b->vertex[c[1]] + b->vertex[c[2]];
         uint64_t const x = sum & mask, y = sum >> NEAR_FINE_BITS & mask, z = sum >> 2 * NEAR_FINE_BITS;
         if (b->order->numbers != NULL) {
-            b->order->keys[i] = spread_near_bits(x) | spread_near_bits(y) << 1 | spread_near_bits(z) << 2;
+            b->order->keys[i] = bvxi_curve_spread(x) | bvxi_curve_spread(y) << 1 | bvxi_curve_spread(z) << 2;
             b->order->numbers[i] = (uint32_t)i;
         } else {
-            uint64_t const key = spread_near_bits(x >> drop) | spread_near_bits(y >> drop) << 1 | spread_near_bits(z >> drop) << 2;
+            uint64_t const key = bvxi_curve_spread(x >> drop) | bvxi_curve_spread(y >> drop) << 1 | bvxi_curve_spread(z >> drop) << 2;
             b->order->keys[i] = key << 32 | i;
         }
     }

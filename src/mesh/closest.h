@@ -22,6 +22,7 @@ typedef struct bvxi_closest_tree {
     uint64_t level_first[BVXI_CLOSEST_LEVELS], level_nodes[BVXI_CLOSEST_LEVELS];
     int32_t level_count;
     int32_t position_type;
+    int32_t fast;     /* 1: AVX2 may run */
     double scale;     /* exact power of two by which all coordinates are multiplied */
     double centre[3]; /* of the bounds, scaled */
     double box_scale; /* scaled and centred -> box units, in which the mesh lies within [-1, 1] */

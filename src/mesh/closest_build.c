@@ -6,6 +6,7 @@
  * hash of the corners' positions where no numbering may show.
  * Boxes are floats rounded outwards, in units in which the mesh lies within [-1, 1]. */
 #include "mesh/closest.h"
+#include "bits/curve.h"
 #include "mesh/facet.h"
 #include "mesh/radix.h"
 #include "mesh/scale.h"
@@ -39,16 +40,6 @@ static void closest_triangle_box(const bvxi_closest_tree *tree, const double t[3
     }
 }
 
-/* Bit i of the low 16 goes to bit 3 i. */
-static uint64_t spread_curve_bits(uint64_t x)
-{
-    x = (x | x << 16) & UINT64_C(0x0000ff0000ff);
-    x = (x | x << 8) & UINT64_C(0x00f00f00f00f);
-    x = (x | x << 4) & UINT64_C(0x0c30c30c30c3);
-    x = (x | x << 2) & UINT64_C(0x249249249249);
-    return x;
-}
-
 /* Place on the curve; box units lie in [-1, 1]. */
 static uint64_t curve_key(const double low[3], const double high[3])
 {
@@ -56,7 +47,7 @@ static uint64_t curve_key(const double low[3], const double high[3])
     uint64_t key = 0;
     for (int a = 0; a < 3; a++) {
         double const x = ((low[a] + high[a]) * 0.25 + 0.5) * most;
-        key |= spread_curve_bits(x <= 0.0 ? 0 : x >= most ? (uint64_t)most : (uint64_t)x) << a;
+        key |= bvxi_curve_spread(x <= 0.0 ? 0 : x >= most ? (uint64_t)most : (uint64_t)x) << a;
     }
     return key;
 }
@@ -279,6 +270,7 @@ bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, 
     closest_builder b = {.tree = tree, .view = view};
 
     plan_closest_tree(view, low, high, scale, tree);
+    tree->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     return build_or_free(ctx, stage, from, to, &b);
 }
 
@@ -288,6 +280,7 @@ bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, do
     closest_builder b = {.tree = tree, .view = view, .unnumbered = 1};
 
     plan_closest_tree(view, low, high, scale, tree);
+    tree->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     BVXI_TRY(build_or_free(ctx, stage, from, to, &b));
 
     /* Of equally near triangles the one that comes first along the curve counts. */

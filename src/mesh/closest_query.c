@@ -12,12 +12,18 @@
  * triangles may tie, and the answer is the one of least number: the distance is right, the position is some point of the
  * mesh. A distance above the largest double is infinity. */
 #include "mesh/closest_query.h"
+#include "bits/curve.h"
+#include "mesh/radix.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
 
 #include <math.h>
 
-enum { QUERY_GRAIN = 64 /* least points a piece, so that the hint has something to warm */ };
+enum {
+    QUERY_GRAIN = 64, /* least points a piece, so that the hint has something to warm */
+    QUERY_BITS = 16,  /* of the curve along each axis */
+    QUERY_TOGETHER = 1 << 16 /* points that are put in order together */
+};
 
 /* ---- The place in the triangle ---- */
 
@@ -173,12 +179,17 @@ void bvx_closest_free(bvx_context *context, bvx_closest *closest)
 
 /* ---- Many points ---- */
 
+/* Points are taken in the order of a curve through space: the answer to one is a good hint for the next, and what it read is at
+ * hand. Results stand in the order that was asked for. */
 typedef struct closest_query {
     const bvx_closest *closest;
     const double *points;
     bvx_closest_point *found;
     uint64_t count;
     int32_t pieces;
+    uint64_t *keys;  /* of points, then used up */
+    uint32_t *order; /* of points, or NULL: as they come */
+    double low[3], scale[3];
 } closest_query;
 
 static void find_closest_piece(void *user, int32_t index, int32_t worker)
@@ -187,8 +198,82 @@ static void find_closest_piece(void *user, int32_t index, int32_t worker)
     uint32_t hint = 0;
     uint64_t begin, end;
     (void)worker;
+
     bvxi_piece(q->count, q->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) bvxi_closest_ask(q->closest, q->points + 3 * i, &hint, &q->found[i]);
+    for (uint64_t i = begin; i < end; i++) {
+        uint64_t const point = q->order == NULL ? i : q->order[i];
+        bvxi_closest_ask(q->closest, q->points + 3 * point, &hint, &q->found[point]);
+    }
+}
+
+/* Cells of the points' own box; a box beyond the largest double is one cell. */
+static void make_query_keys(closest_query *q)
+{
+    double const most = (double)((1 << QUERY_BITS) - 1);
+
+    for (int a = 0; a < 3; a++) {
+        double low = q->points[a], high = low;
+
+        for (uint64_t i = 1; i < q->count; i++) {
+            double const x = q->points[3 * i + (uint64_t)a];
+            low = x < low ? x : low;
+            high = x > high ? x : high;
+        }
+        q->low[a] = low;
+        q->scale[a] = high - low > 0x1p-960 && high - low < 0x1p960 ? most / (high - low) : 0.0;
+    }
+
+    for (uint64_t i = 0; i < q->count; i++) {
+        uint64_t key = 0;
+
+        for (int a = 0; a < 3; a++) {
+            double const x = q->scale[a] > 0.0 ? (q->points[3 * i + (uint64_t)a] - q->low[a]) * q->scale[a] : 0.0;
+            key |= bvxi_curve_spread((uint64_t)(x < most ? x : most)) << a;
+        }
+        q->keys[i] = key;
+        q->order[i] = (uint32_t)i;
+    }
+}
+
+/* Up to QUERY_TOGETHER points, whose search is the share from `from` to `to` of the work. */
+static bvx_status find_closest_batch(bvx_context *ctx, closest_query *q, double from, double to)
+{
+    q->pieces = bvxi_piece_count(q->count, QUERY_GRAIN);
+    if (q->order != NULL) {
+        make_query_keys(q);
+        BVXI_TRY(bvxi_radix_sort(ctx, q->keys, q->order, q->count));
+    }
+    return bvxi_parallel(ctx, "nearest points", from, to, q->pieces, find_closest_piece, q);
+}
+
+static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)
+{
+    for (uint64_t begin = 0; begin < all->count; begin += QUERY_TOGETHER) {
+        uint64_t const rest = all->count - begin, count = rest < QUERY_TOGETHER ? rest : QUERY_TOGETHER;
+        closest_query q = *all;
+
+        q.points += 3 * begin;
+        q.found += begin;
+        q.count = count;
+        BVXI_TRY(find_closest_batch(ctx, &q, (double)begin / (double)all->count, (double)(begin + count) / (double)all->count));
+    }
+    return BVX_OK;
+}
+
+static bvx_status find_all_closest(bvx_context *ctx, closest_query *q)
+{
+    uint64_t const most = q->count < QUERY_TOGETHER ? q->count : QUERY_TOGETHER;
+    bvx_status status;
+
+    /* A few points are not worth an order; none is work that says so. */
+    if (q->count <= QUERY_GRAIN) return find_closest_batch(ctx, q, 0.0, 1.0);
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->keys, "the points' keys", &q->keys));
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->order, "the points' order", &q->order);
+    if (status == BVX_OK) status = find_closest_batches(ctx, q);
+    bvxi_free(ctx, q->order, most * sizeof *q->order);
+    bvxi_free(ctx, q->keys, most * sizeof *q->keys);
+    return status;
 }
 
 static bvx_status check_query_points(bvx_context *ctx, const char *function, const double *points, uint64_t count)
@@ -206,7 +291,7 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
                                    uint64_t count, bvx_closest_point *found)
 {
     static const char *const function = "bvx_closest_find";
-    closest_query q = {closest, points, found, count, bvxi_piece_count(count, QUERY_GRAIN)};
+    closest_query q = {.closest = closest, .points = points, .found = found, .count = count};
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
@@ -214,7 +299,7 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
     if (count > SIZE_MAX / sizeof *found)
         return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u points are beyond this machine's addresses", function, count);
     BVXI_TRY(check_query_points(context, function, points, count));
-    return bvxi_parallel(context, "nearest points", 0.0, 1.0, q.pieces, find_closest_piece, &q);
+    return find_all_closest(context, &q);
 }
 
 bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points, uint64_t count,

@@ -17,6 +17,7 @@
  * Guarantee: every state is closed where the mesh given was, edge- and vertex-manifold, oriented and, where the
  * mesh given was, without crossing triangles; sequential, doubles with + - x / sqrt alone: the same mesh everywhere. */
 #include "simplify/simplify.h"
+#include "bits/curve.h"
 #include "mesh/mesh.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"
@@ -443,17 +444,6 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, d
 
 /* ---- Opening ---- */
 
-/* Bit i of the low 21 goes to bit 3 i. */
-static uint64_t spread_bits(uint64_t x)
-{
-    x = (x | x << 32) & UINT64_C(0x001f00000000ffff);
-    x = (x | x << 16) & UINT64_C(0x001f0000ff0000ff);
-    x = (x | x << 8) & UINT64_C(0x100f00f00f00f00f);
-    x = (x | x << 4) & UINT64_C(0x10c30c30c30c30c3);
-    x = (x | x << 2) & UINT64_C(0x1249249249249249);
-    return x;
-}
-
 typedef struct collapse_order {
     const bvx_mesh_view *view;
     uint64_t *key; /* of vertices, then of triangles */
@@ -472,7 +462,7 @@ static void vertex_keys(collapse_order *o, uint64_t *used)
 
         if (o->rank[v] == UINT32_MAX) continue;
         bvxi_view_position(o->view, v, p);
-        for (int a = 0; a < 3; a++) key |= spread_bits((uint64_t)((p[a] - o->low[a]) * o->scale)) << a;
+        for (int a = 0; a < 3; a++) key |= bvxi_curve_spread((uint64_t)((p[a] - o->low[a]) * o->scale)) << a;
         o->key[n] = key;
         o->index[n++] = (uint32_t)v;
     }

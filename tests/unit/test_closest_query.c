@@ -342,6 +342,45 @@ static void test_closest_is_the_same_for_any_threads(void)
     }
 }
 
+/* Many points are put in order, in more than one batch: each answer is the one that its point has alone, with vectors and without. */
+static void test_closest_in_any_company(void)
+{
+    enum { POINTS = (1 << 16) + 500 };
+    static double points[3 * POINTS];
+    static bvx_closest_point found[2][POINTS];
+    bvx_context_options o;
+    bvx_mesh_view v;
+
+    make_mesh(3);
+    v = maker_view(&m);
+    for (int i = 0; i < POINTS; i++)
+        for (int a = 0; a < 3; a++) points[3 * i + a] = maker_between(&seed, -12, 12, 10) * (i % 7 == 0 ? 40.0 : 1.0);
+    for (int a = 0; a < 3; a++) points[a] = 0x1p900; /* a box in which the others share a cell */
+
+    bvx_context_options_init(&o, sizeof o);
+    for (int portable = 0; portable < 2; portable++) {
+        bvx_context *other;
+        bvx_closest *closest;
+
+        o.cpu = portable ? BVX_CPU_PORTABLE : BVX_CPU_BEST;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &other));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(other, &v, &closest));
+        memset(found, 0, portable ? 0 : sizeof found);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(other, closest, points, POINTS, found[portable]));
+        for (int i = 0; i < POINTS; i += 9) {
+            bvx_closest_point alone;
+
+            memset(&alone, 0, sizeof alone);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(other, closest, points + 3 * i, 1, &alone));
+            TEST_ASSERT_EQUAL_MEMORY(&alone, &found[portable][i], sizeof alone);
+        }
+        bvx_closest_free(other, closest);
+        TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(other));
+        bvx_context_destroy(other);
+    }
+    TEST_ASSERT_EQUAL_MEMORY(found[0], found[1], sizeof found[0]);
+}
+
 static void test_closest_keeps_what_it_needs(void)
 {
     static const double p[3] = {20, 0.5, 0.25};
@@ -422,6 +461,7 @@ int main(void)
     RUN_TEST(test_closest_from_far_away);
     RUN_TEST(test_closest_of_vast_and_tiny_meshes);
     RUN_TEST(test_closest_is_the_same_for_any_threads);
+    RUN_TEST(test_closest_in_any_company);
     RUN_TEST(test_closest_keeps_what_it_needs);
     RUN_TEST(test_closest_refuses);
     return UNITY_END();
