@@ -78,6 +78,20 @@ static int check_lod_options(cli_run *run, cli_chain *c)
 
 /* ---- the levels ---- */
 
+/* Samples coarser than what they see break it. That the solid has the mesh's walls is told with the solid. */
+static void warn_of_broken_level(cli_run *run, const cli_chain *c, int i)
+{
+    const bvx_certificate *const level = &run->report.mesh[i].certificate;
+    double const volume = c->solid_report.volume, off = level->volume - volume;
+
+    if (c->kind != CLI_MESH) return;
+    if (level->components > c->certificate.components)
+        cli_warn(run, "level %d has %" PRIu64 " parts, the mesh %" PRIu64 ": what is thinner than its samples broke; take more samples, or "
+                 "--method collapse", i, level->components, c->certificate.components);
+    else if (off > 0.05 * volume || -off > 0.05 * volume)
+        cli_warn(run, "level %d has a volume of %.6g, the solid of %.6g: take more samples, or --method collapse", i, level->volume, volume);
+}
+
 static int make_level(cli_run *run, cli_chain *c, int i)
 {
     const cli_options *const o = run->options;
@@ -178,7 +192,10 @@ static int make_chain(cli_run *run, cli_chain *c)
 {
     int status = cli_open_chain(run, c);
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = make_level(run, c, i);
-    for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
+    for (int i = 0; i < c->count && status == CLI_DONE; i++) {
+        warn_of_broken_level(run, c, i);
+        status = measure_level(run, c, i);
+    }
     if (status == CLI_DONE) status = cli_write_levels(run, c->mesh, c->count, c->path);
     if (status != CLI_DONE) return status;
     if (run->options->carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);

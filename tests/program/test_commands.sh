@@ -227,12 +227,12 @@ holds 'lod of a grid lies where the mesh lies' sh -c "awk '/both ways/ { sub(\"%
 works 'the grid in another format' convert knot.npy -o knot.bvx
 works 'lod of it' lod knot.bvx -o m_%d.ply --levels 40,20 --samples 0
 holds 'lod: the format of a grid does not show' cmp l_0.ply m_0.ply
-works 'lod of a mesh on the same lattice' lod "$knot" -o n_%d.ply --levels 40,20 --samples 0 --resolution 60 --padding 1
+works 'lod of a mesh on the same lattice' lod "$knot" -o n_%d.ply --levels 40,20 --samples 0 --resolution 60 --padding 1 --quiet
 holds 'lod of a grid is lod of its mesh' cmp l_1.ply n_1.ply
 works 'a small grid' voxelize "$knot" -o small.npy --resolution 33 --check-thin never
 works 'lod of a small grid has small levels' lod small.npy -o s_%d.off --samples 0
 holds 'lod of a small grid: a half and a quarter of it' sh -c "grep -q 'x33x' out && grep -q 'x16x' out && grep -q 'x8x' out"
-works 'lod to glb' lod "$knot" -o l_%d.glb --levels 20,10 --samples 0
+works 'lod to glb' lod "$knot" -o l_%d.glb --levels 20,10 --samples 0 --quiet
 holds 'lod to glb: two files' sh -c 'test "$(head -c 4 l_1.glb)" = glTF'
 works 'lod by triangles of a grid' lod knot.npy -o l_%d.ply --triangles 2000,500 --samples 0
 run info l_1.ply

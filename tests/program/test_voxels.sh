@@ -228,7 +228,7 @@ holds 'lod --fill nonzero fills the hollow' says '^  components +1,'
 works 'lod --fill vote' lod nested.obj -o l_%d.ply --levels 16 --fill vote --samples 0 --quiet
 run info l_0.ply
 holds 'lod --fill vote keeps it' says '^  components +2,'
-works 'lod --fill flood' lod "$knot" -o l_%d.ply --levels 16 --fill flood --close-gaps 1 --samples 0
+works 'lod --fill flood' lod "$knot" -o l_%d.ply --levels 16 --fill flood --close-gaps 1 --samples 0 --quiet
 works 'lod of a terrain' lod slope.obj -o l_%d.ply --levels 8 --fill below --samples 0 --padding 8 --quiet
 run info l_0.ply
 holds 'what is under a terrain is closed' says '^  closed +yes$'

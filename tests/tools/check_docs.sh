@@ -1,7 +1,8 @@
 #!/bin/sh
-# check_docs.sh links|programs|commands - what README.md, CONTRIBUTING.md and docs/ say is so.
+# check_docs.sh links|programs|commands|pictures - what README.md, CONTRIBUTING.md and docs/ say is so.
 #     links     every link leads to a file that is here, and to a heading where it names one
 #     programs  every C example is a whole program that compiles without a warning, runs and ends well
+#     pictures  those of docs/pictures are what the program draws
 #     commands  every line "bitvox ..." in a fence is run, in a folder that has the files that it names
 # BUILD is where the program and the library are; CC compiles the examples.
 set -u
@@ -113,5 +114,6 @@ case ${1:-} in
 links) check_links ;;
 programs) check_programs ;;
 commands) check_commands ;;
-*) echo "usage: check_docs.sh links|programs|commands" && exit 2 ;;
+pictures) BITVOX=$build/bitvox sh tests/tools/make_pictures.sh check ;;
+*) echo "usage: check_docs.sh links|programs|commands|pictures" && exit 2 ;;
 esac

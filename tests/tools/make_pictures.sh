@@ -1,0 +1,62 @@
+#!/bin/sh
+# make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs. With check nothing is
+# written: the pictures must be those that the program draws now, and small.
+# BITVOX is the program [build/bitvox]. Runs in the repository's root, works in a folder of its own.
+set -eu
+cd "$(dirname "$0")/../.."
+: "${BITVOX:=build/bitvox}"
+root=$PWD
+bitvox=$(cd "$(dirname "$BITVOX")" && pwd)/$(basename "$BITVOX")
+most=40000 # bytes of a picture
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+# Two balls and a box that overlap, some triangles flipped; a ball with holes; a chair of slats; a star of acute edges.
+python3 - "$root/tests/tools" <<'P'
+import sys
+sys.path.insert(0, sys.argv[1])
+from made_meshes import *
+
+m = box(ball(ball(Mesh(), (0, 0, 0), 1, 16), (1, 0, 0), 1, 16), (-0.4, -1.3, -0.4), (0.6, 1.3, 0.4))
+flip(m, range(0, len(m.faces), 29)).write('overlaps.off')
+ball(Mesh(), (0, 0, 0), 1, 16, keep=lambda i, j: (i + j) % 8 > 1 or i not in (5, 6, 9)).write('holes.off')
+for name, mesh, *rest in made_meshes():
+    if name in ('chair', 'star'):
+        mesh.write({'chair': 'thin.off', 'star': 'acute.off'}[name])
+box(Mesh(), (0.35, -2, 0.1), (0.65, 3, 0.4)).write('bar.off')
+P
+
+quiet() { "$bitvox" "$@" --quiet --threads 1; }
+draw() { # NAME: of what the four have become
+    quiet render "$1"_overlaps."$2" "$1"_holes."$2" "$1"_thin."$2" "$1"_acute."$2" -o raw.png --size 132x112
+    python3 "$root/tests/tools/pack_png.py" raw.png "$1.png"
+}
+
+for m in overlaps holes thin acute; do
+    cp $m.off input_$m.off
+    quiet voxelize $m.off -o voxelize_$m.bvx --resolution 40
+    quiet boolean difference $m.off bar.off -o boolean_$m.ply --resolution 40
+    quiet repair $m.off -o repair_$m.ply --resolution 40
+    quiet lod $m.off -o lod_$m.ply --triangles 400 --samples 0
+    quiet simplify $m.off -o simplify_$m.ply --triangles 400 --samples 0
+done
+draw input off
+draw voxelize bvx
+for command in boolean repair lod simplify; do draw $command ply; done
+
+bad=0
+for picture in input voxelize boolean repair lod simplify; do
+    if [ "$(wc -c <$picture.png)" -gt $most ]; then
+        echo "$picture.png has $(wc -c <$picture.png) bytes, more than $most"
+        bad=1
+    fi
+    if [ "${1-}" != check ]; then
+        mkdir -p "$root/docs/pictures"
+        cp $picture.png "$root/docs/pictures/$picture.png"
+    elif ! python3 "$root/tests/tools/pack_png.py" same $picture.png "$root/docs/pictures/$picture.png"; then
+        echo "docs/pictures/$picture.png is not what the program draws: sh tests/tools/make_pictures.sh"
+        bad=1
+    fi
+done
+exit $bad
