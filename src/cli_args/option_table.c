@@ -172,8 +172,7 @@ static const cli_argument arguments[] = {
     FLAG("--add-shell", CLI_VOXELIZE | CLI_FILL, add_shell, "set all voxels of the surface too"),
     FLAG("--check-edges", CLI_VOXELIZE, check_edges, "count edges with one triangle, and those between flipped ones"),
     CHOICE("--check-thin", "WHEN", CLI_VOXELIZE, check_thin, check_thin_names, -1,
-           "look for walls too thin for the voxels, for a warning with their place.\nauto: where the surface crosses a fiftieth more lines of centres than the\n"
-           "voxels show, in whole lattices; always; never [auto]"),
+           "look for walls too thin for the voxels, for a warning with their place.\nauto: in whole lattices; always; never [auto]"),
     FLAG("--compare-fills", CLI_VOXELIZE, compare_fills, "a table of what each rule would set, and where they differ"),
     NUMBER("--base", "H", CLI_VOXELIZE, base, "with --fill below: the height that columns stand on [the lattice's\nlow end]"),
     FILE_NAME("--second", "MESH", CLI_VOXELIZE, second, "with --fill below: what lies between IN and this terrain; tells cut\nand fill"),

@@ -166,6 +166,7 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     bvx_status status;
 
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
+    walls.beside = keep;
     status = bvxi_walls_open(&walls);
     if (status == BVX_OK) status = bvxi_walls_find(&walls);
     if (status == BVX_OK) bvxi_tell_walls(&walls, r);

@@ -1,8 +1,7 @@
 /* solid_losses.c - what a solid has lost of its mesh: thin walls, and how the volumes compare.
  *
- * Idea: a surface crosses as many lines of centres as the sum of its triangles' shadows says. A solid shows each crossing as a
- * step from outside to inside, so steps that are missing by more than chance can be walls without a centre inside. That costs
- * a sum; only where they are missing, or where asked, thin_walls.c looks for the places.
+ * thin_walls.c finds where a line of centres crosses the mesh between two centres outside, and asks for closest points there: two to
+ * three times the fill of a scan. Parts of lattices, as work in tiles has them, are looked at only where asked.
  * Guarantee: sums are taken in pieces of the mesh's shape alone, so threads do not show. */
 #include "mesh/facet.h"
 #include "mesh/view.h"
@@ -12,9 +11,6 @@
 #include <math.h>
 
 enum { LOSS_GRAIN = 4096 };
-
-#define LOSS_SHARE 0.02  /* of the crossings, that may be missing ... */
-#define LOSS_CHANCE 1.5  /* ... and these times the root of them: flat faces between two planes of centres */
 
 #define LOSS_SHEET 1e-6  /* of the volume of a cube of that surface: folded sheets enclose less */
 
@@ -136,63 +132,6 @@ static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh
 
 /* ---- Of the solid ---- */
 
-/* Steps between outside and inside along x of a row. */
-static uint64_t steps_of_row(const uint64_t *row, int32_t words)
-{
-    uint64_t steps = 0, last = 0;
-
-    for (int32_t k = 0; k < words; k++) {
-        steps += bvxi_popcount(row[k] ^ (row[k] << 1 | last));
-        last = row[k] >> 63;
-    }
-    return steps + last;
-}
-
-/* Steps between two rows, or of one against the outside (NULL). */
-static uint64_t steps_between(const uint64_t *row, const uint64_t *other, int32_t words)
-{
-    uint64_t steps = 0;
-
-    for (int32_t k = 0; k < words; k++) steps += bvxi_popcount(other != NULL ? row[k] ^ other[k] : row[k]);
-    return steps;
-}
-
-/* Steps along each axis; what lies beyond the window counts as outside. */
-static void count_steps(const bvx_grid *g, uint64_t steps[3])
-{
-    int32_t const words = g->words_per_row;
-    size_t const slice = (size_t)words * (size_t)g->size[1];
-
-    steps[0] = steps[1] = steps[2] = 0;
-    for (int32_t z = 0; z < g->size[2]; z++)
-        for (int32_t y = 0; y < g->size[1]; y++) {
-            const uint64_t *const row = g->words + (size_t)z * slice + (size_t)y * (size_t)words;
-
-            steps[0] += steps_of_row(row, words);
-            steps[1] += steps_between(row, y > 0 ? row - words : NULL, words);
-            steps[2] += steps_between(row, z > 0 ? row - slice : NULL, words);
-            if (y + 1 == g->size[1]) steps[1] += steps_between(row, NULL, words);
-            if (z + 1 == g->size[2]) steps[2] += steps_between(row, NULL, words);
-        }
-}
-
-/* Are crossings missing along some axis, by more than chance? */
-static int are_steps_missing(const loss_sums *sums, const bvx_grid *solid)
-{
-    const double *const d = solid->lattice.spacing;
-    uint64_t steps[3];
-
-    count_steps(solid, steps);
-    for (int a = 0; a < 3; a++) {
-        double const lines = 0.5 * sums->shadow[a] / (d[(a + 1) % 3] * d[(a + 2) % 3]);
-
-        if (lines - (double)steps[a] > LOSS_SHARE * lines + LOSS_CHANCE * sqrt(lines)) return 1;
-    }
-    return 0;
-}
-
-/* ---- */
-
 /* Is it known that the triangles run the same way round? Rules that do not ask for it say nothing of it when asked for by name. */
 static int is_oriented(const bvx_solid_report *r)
 {
@@ -250,7 +189,7 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
 {
     const bvx_lattice *const l = &solid->lattice;
     int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] && solid->size[2] == l->dims[2];
-    int look = o->check_thin == 1;
+    int const look = o->check_thin == 1 || (o->check_thin == -1 && whole && !o->add_shell);
     loss_sums sums;
     uint64_t voxels;
 
@@ -258,11 +197,9 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     report->volume = (double)voxels * l->spacing[0] * l->spacing[1] * l->spacing[2];
     if (report->fill == BVX_FILL_BELOW) return BVX_OK;
 
-    if (o->check_thin == -1 || report->fill_reason == BVX_FILL_REASON_SOUND) {
+    if (report->fill_reason == BVX_FILL_REASON_SOUND && !o->add_shell && report->turned == 0) {
         BVXI_TRY(sum_mesh(ctx, mesh, &sums));
-        if (report->fill_reason == BVX_FILL_REASON_SOUND && !o->add_shell && report->turned == 0)
-            report->mesh_volume = comparable_volume(&sums, mesh, solid);
-        look |= o->check_thin == -1 && whole && !o->add_shell && are_steps_missing(&sums, solid);
+        report->mesh_volume = comparable_volume(&sums, mesh, solid);
     }
     return look ? BVXI_SHARE(ctx, 0.1, 1.0, look_for_walls(ctx, function, mesh, solid, report)) : BVX_OK;
 }

@@ -22,8 +22,9 @@
 #define WALL_FACING 0.55  /* cosine between a face and the opposite of the other */
 #define WALL_STRAIGHT 0.9 /* where triangles are flipped: cosine between both faces, and between them and the way through */
 #define WALL_SAME 0.25    /* nearest points this near to each other are of one face */
+#define WALL_BESIDE 1.8   /* from a place to the centres around it: the root of 3 */
 
-enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BLOCK = 8, WALL_REACH = 4, WALL_MANY_BLOCKS = 512, WALL_BINS = 64 };
+enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BLOCK = 3, WALL_MANY_BLOCKS = 512, WALL_BINS = 64 };
 
 /* ---- The list of places ---- */
 
@@ -149,10 +150,11 @@ static void mark_blocks(bvxi_walls *t)
 
         bvxi_bit_centre(g, t->at[n], at);
         for (int a = 0; a < 3; a++) {
-            double const reach = WALL_REACH * t->unit / g->lattice.spacing[a] + 1;
+            double const far = 1.0 + 2 * WALL_DEPTH + (t->beside ? WALL_BESIDE : 0.0);
+            double const reach = 1.01 * far * t->unit / g->lattice.spacing[a];
 
-            low[a] = (double)at[a] - reach;
-            high[a] = (double)at[a] + reach;
+            low[a] = (double)at[a] + 0.5 - reach;
+            high[a] = (double)at[a] + 0.5 + reach;
         }
         block_range(t, low, high, from, to);
         for (int32_t z = from[2]; z <= to[2]; z++)
@@ -160,23 +162,33 @@ static void mark_blocks(bvxi_walls *t)
     }
 }
 
-static int is_in_marked_block(const bvxi_walls *t, const double p[3][3])
+/* The block of each vertex; of those that no triangle uses too, whatever they are. */
+static void place_vertices_in_blocks(bvxi_walls *t)
 {
     const bvx_lattice *const l = &t->places.lattice;
-    double low[3], high[3];
+
+    for (uint64_t v = 0; v < t->mesh->vertex_count; v++) {
+        double p[3];
+        int32_t to[3];
+
+        bvxi_view_position(t->mesh, v, p);
+        for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->places.low[a];
+        block_range(t, p, p, t->block_of + 3 * v, to);
+    }
+}
+
+static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
+{
+    const int32_t *const p = t->block_of + 3 * (size_t)c[0], *const q = t->block_of + 3 * (size_t)c[1];
+    const int32_t *const r = t->block_of + 3 * (size_t)c[2];
     int32_t from[3], to[3];
 
     for (int a = 0; a < 3; a++) {
-        double least = p[0][a], most = p[0][a];
+        int32_t const low = p[a] < q[a] ? p[a] : q[a], high = p[a] < q[a] ? q[a] : p[a];
 
-        for (int k = 1; k < 3; k++) {
-            if (p[k][a] < least) least = p[k][a];
-            if (p[k][a] > most) most = p[k][a];
-        }
-        low[a] = (least - l->origin[a]) / l->spacing[a] - t->places.low[a];
-        high[a] = (most - l->origin[a]) / l->spacing[a] - t->places.low[a];
+        from[a] = r[a] < low ? r[a] : low;
+        to[a] = r[a] > high ? r[a] : high;
     }
-    block_range(t, low, high, from, to);
     if ((int64_t)(to[0] - from[0] + 1) * (to[1] - from[1] + 1) * (to[2] - from[2] + 1) > WALL_MANY_BLOCKS) return 1;
     for (int32_t z = from[2]; z <= to[2]; z++)
         for (int32_t y = from[1]; y <= to[1]; y++)
@@ -195,8 +207,8 @@ static void take_triangles_nearby(bvxi_walls *t)
         uint32_t c[3];
 
         bvxi_view_triangle(body, n, c);
+        if (!is_in_marked_block(t, c)) continue;
         for (int k = 0; k < 3; k++) bvxi_view_position(body, c[k], p[k]);
-        if (!is_in_marked_block(t, (const double(*)[3])p)) continue;
         if (!(bvxi_facet_normal((const double(*)[3])p, normal) > 0)) continue;
         memcpy(t->corner + 3 * count++, c, sizeof c);
     }
@@ -279,7 +291,8 @@ static void bound_triangles_nearby(const bvxi_walls *t, double low[3], double hi
     }
 }
 
-/* Triangles within WALL_REACH of the list's centres, and a search among them. */
+/* Triangles that count at the list's centres, and with beside at those around them, and a search among them: the nearest one within a
+ * spacing, what is nearest to a point WALL_DEPTH behind it, which it is no further from itself. */
 bvx_status bvxi_walls_near(bvxi_walls *t)
 {
     bvx_context *const ctx = t->ctx;
@@ -295,10 +308,14 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
     t->corner_bytes = t->mesh->triangle_count * 12;
     status = bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner);
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->triangle_count, "the sides of thin places", &t->against);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks", &t->block_of);
     if (status == BVX_OK) {
         mark_blocks(t);
+        place_vertices_in_blocks(t);
         take_triangles_nearby(t);
     }
+    bvxi_free(ctx, t->block_of, t->mesh->vertex_count * 12);
+    t->block_of = NULL;
     bvxi_free(ctx, t->blocks, bytes);
     t->blocks = NULL;
     if (status != BVX_OK || t->near.triangle_count == 0) return status;

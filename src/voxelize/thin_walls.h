@@ -16,7 +16,7 @@ typedef struct bvxi_wall {
     int32_t sheet;
 } bvxi_wall;
 
-/* A search for them. The first seven are the caller's, the rest 0 before the first call. */
+/* A search for them. The first eight are the caller's, the rest 0 before the first call. */
 typedef struct bvxi_walls {
     bvx_context *ctx;
     const char *function;
@@ -24,6 +24,8 @@ typedef struct bvxi_walls {
     const bvx_grid *solid;     /* what it fills; may change between calls */
     int32_t unoriented;       /* 1: normals may look to either side */
     int32_t open;             /* 1: there are holes: faces may be seen from behind, and sheets are no walls; 2: sheets are none */
+    int32_t beside;           /* 1: centres around the places are asked too */
+
     double unit;              /* the largest spacing */
 
     double limit;             /* walls further from the centre than this are not looked at [Units: largest spacings] */
@@ -37,6 +39,7 @@ typedef struct bvxi_walls {
     uint8_t *against;         /* of those triangles, 1: the mesh has them the other way round */
     uint8_t *blocks;          /* 1: triangles there are wanted */
     int32_t block_size[3];
+    int32_t *block_of;        /* three of each vertex, cut to the window [Size: vertices * 3] */
     bvx_mesh_view near;
     bvx_closest closest;
     int32_t pieces;

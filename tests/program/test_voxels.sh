@@ -167,8 +167,8 @@ holds 'with a place and a remedy' grep -q -E '[0-9]+ voxels, in 2[.]5,2[.]5,3 to
 reports 'thin walls are in the report' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] > 500 and abs(r["solid"]["thin_wall"] - 0.04) < 0.002
     and len(r["solid"]["thin_box"]) == 2 and len(r["warnings"]) == 1 and abs(r["solid"]["volume"] - 8) < 0.01' voxelize plate.obj -o x.bvx --spacing 0.1
 reports 'and are not looked for with never' 'r["solid"]["thin_checked"] is False and r["warnings"] == []' voxelize plate.obj -o x.bvx --spacing 0.1 --check-thin never
-reports 'or where nothing is missing' 'r["solid"]["thin_checked"] is False and "thin_box" not in r["solid"]' voxelize box.obj -o x.bvx --spacing 0.25
-reports 'but with always' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] == 0' voxelize box.obj -o x.bvx --spacing 0.25 --check-thin always
+reports 'and nothing is told where nothing is missing' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] == 0 and "thin_box" not in r["solid"]' voxelize box.obj -o x.bvx --spacing 0.25
+reports 'also with always' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] == 0' voxelize box.obj -o x.bvx --spacing 0.25 --check-thin always
 # Voxels of 1.3 for a cube of 2: eight of them.
 warns 'the volume of the voxels is 17.576, that of the mesh 8 (+119.7 %), and no parts overlap' voxelize two.obj -o x.bvx --spacing 1.3
 rm -f x.bvx

@@ -66,8 +66,8 @@ def voxelize(
         add_shell: set all voxels that the surface touches too.
         check_edges: count open and flipped edges in the report.
         check_thin: look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_wall``, ``thin_low``, ``thin_high`` and
-            ``thin_resolution``: "auto" (the default: in whole lattices, where the surface crosses a fiftieth more lines of centres than
-            the voxels show), "always", "never". The report's ``volume`` and ``mesh_volume`` (0 where that says nothing) tell more.
+            ``thin_resolution``: "auto" (the default: in whole lattices), "always", "never". The report's ``volume`` and
+            ``mesh_volume`` (0 where that says nothing) tell more.
         base, up, second: with fill "below": the height that columns stand on [world], the axis that is up ("x", "y" or "z"), a
             second terrain: what lies between the two.
         attached: surface modes: keep the triangles that touch each voxel in ``grid.attached``.
