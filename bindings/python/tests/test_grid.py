@@ -130,9 +130,9 @@ def test_one_voxel():
     array = np.zeros((70, 3, 4), bool)
     array[65, 1, 2] = True
     grid = Grid.from_numpy(array)
-    assert grid[65, 1, 2] and not grid[64, 1, 2]
+    assert grid[65, 1, 2] and not grid[64, 1, 2] and grid[-5, -2, -2] is True
     assert grid.voxels().tolist() == [[65, 1, 2]]
-    for outside in ((70, 0, 0), (0, -1, 0), (0, 0, 4)):
+    for outside in ((70, 0, 0), (0, -4, 0), (0, 0, 4)):
         with pytest.raises(IndexError):
             grid[outside]
     with pytest.raises(TypeError):

@@ -14,7 +14,8 @@ where its work can be long, and `settings` sets them for all calls.
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from . import _inputs as _inputs  # enters its calls into the table
+from . import _foreign as _foreign  # these two enter their calls into the table
+from . import _inputs as _inputs
 from ._errors import (
     ArgumentError,
     Cancelled,

@@ -110,6 +110,14 @@ def plain(value: Any) -> Any:
     return value
 
 
+def handed(array: Any, dtype: Any = None, copy: Any = None) -> Any:
+    """What ``__array__`` of something that holds an array gives: that array itself where the type is its own and no copy is wanted."""
+    wanted = array if dtype is None else array.astype(dtype, copy=False)
+    if copy is False and wanted is not array:
+        raise ValueError(f"an array of {dtype} is a copy")
+    return wanted.copy() if copy and wanted is array else wanted
+
+
 # ---- in ----
 
 

@@ -19,6 +19,8 @@ LATER = {
     "read_other": ".formats.other",
     "read_nifti_volume": ".formats.nifti",
     "read_dicom_volume": ".formats.dicom",
+    "read_by_library": ".formats.volumes",
+    "volume_bytes": ".formats.volumes",
 }
 
 

@@ -84,7 +84,7 @@ class LatticeError(Error, ValueError):
 
 
 class Cancelled(Error):
-    """The progress callable returned False."""
+    """The progress callable returned False, 0 or another false value that is not None."""
 
     code, name = 11, "BVX_CANCELLED"
 

@@ -7,9 +7,10 @@ import os
 from typing import Any, Sequence
 
 from . import _arrays as arrays
-from ._calls import call, entered
+from ._calls import call
 from ._errors import ArgumentError, need
 from ._grid import Grid
+from ._html import shown
 from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, position_type, with_positions
 from ._records import record
@@ -184,9 +185,54 @@ class Field:
         """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd or .vti (or ``format``, in place of the ending)."""
         call("write", self, path, format=format, vectors=vectors)
 
+    def _repr_html_(self) -> str:
+        return shown(self, {"voxels": self.shape, "values": self._c.value_count, "half width": self.half_width, "sign": self.sign,
+                            "spacing": self.band.spacing, "corner": self.band.corner})
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        if copy is False:
+            raise ValueError("a field is a band: an array of all centres is always a copy")
+        return arrays.handed(self.to_numpy(), dtype)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Field):
+            return NotImplemented
+        np = arrays.numpy("Field")
+        mine, theirs = self._state(), other._state()
+        return all(a is None and b is None or type(a) is type(b) and (np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b)
+                   for a, b in zip(mine, theirs))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _state(self) -> tuple[Any, ...]:
+        c = self._c
+        return (self.band, self.inside, self.row_values, self.distances, self.vectors, self.triangles, self.features, c.value_type, c.sign,
+                c.half_width)
+
+    def __reduce__(self) -> Any:
+        np = arrays.numpy("pickling")
+        return _field_from, (self._mesh, *(np.array(a) if isinstance(a, np.ndarray) else a for a in self._state()))
+
     def __repr__(self) -> str:
         x, y, z = self.shape
         return f"Field({x} x {y} x {z}, {self._c.value_count} values, sign {self.sign})"
+
+
+def _field_from(mesh: Mesh, band: Grid, inside: Grid | None, rows: Any, distances: Any, vectors: Any, triangles: Any, features: Any,
+                value_type: int, sign: int, half_width: float) -> Field:
+    """A field over arrays that Python holds."""
+    made, kept = ffi.new("bvx_field *"), (band, inside, rows, distances, vectors, triangles, features)
+    for grid, part in ((band, made.band), (inside, made.inside)):
+        if grid is not None:
+            ffi.memmove(ffi.addressof(part), grid._c, ffi.sizeof("bvx_grid"))
+            part.owned = 0
+    made.row_values, made.value_count = ffi.cast("uint64_t *", arrays.address(rows)), int(rows[-1])
+    made.distances = arrays.address(distances)
+    for name, values, kind in (("vectors", vectors, "void *"), ("triangles", triangles, "uint32_t *"), ("features", features, "uint8_t *")):
+        if values is not None:
+            setattr(made, name, ffi.cast(kind, arrays.address(values)))
+    made.value_type, made.sign, made.half_width = value_type, sign, half_width
+    return Field(ffi.gc(made, lambda _, kept=kept: None), mesh)
 
 
 def field(

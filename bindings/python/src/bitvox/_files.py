@@ -18,6 +18,7 @@ from ._mesh import Mesh, new_mesh, subtract
 from ._octree import Octree, states_of
 from ._run import Progress, Run, ffi, formats_in, function, lib, number_of, options_of
 from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
+from ._volume import Volume, volume_of_bits
 from ._vti import without_blocks
 
 MESH_FORMATS = formats_in(lib.BVX_MESHES_READ)
@@ -125,7 +126,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
     """The bytes of a file.
 
     Args:
-        thing: a mesh. format: stl, obj, ply, off or glb; a `Grid`: npy, binvox, vox, nrrd, vti or bvx; an `Octree`: vtu or bvx; a
+        thing: a mesh. format: stl, obj, ply, off or glb; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha or nii; a `Volume`: nrrd, mha or nii; an `Octree`: vtu or bvx; a
             `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
         states: of an octree's vtu: which leaves, ("surface", "inside") unless told.
         vectors: of a field: vectors in place of signed distances.
@@ -144,10 +145,12 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         raise ArgumentError("states are for octrees")
     if vectors and not isinstance(thing, Field):
         raise ArgumentError("vectors are for fields")
-    if isinstance(thing, (Grid, Octree, Field, Image, Sections)):
+    if isinstance(thing, (Grid, Octree, Field, Image, Sections, Volume)):
         for name, given in (("normals are", normals), ("origin is", origin is not None), ("allow_rounding is", allow_rounding)):
             if given:
                 raise ArgumentError(f"{name} for meshes")
+    if isinstance(thing, Volume) or (isinstance(thing, Grid) and kind in ("nii", "mha")):
+        return bytes(call("volume_bytes", thing if isinstance(thing, Volume) else volume_of_bits(thing), kind))
     with Run(threads, memory_limit, progress) as run:
         if isinstance(thing, Image) and kind == "png":
             return thing.png()
@@ -174,7 +177,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
 
 def _outputs(thing: Any) -> str:
     """What a thing is written as."""
-    known = {"Grid": GRID_FORMATS, "Octree": ("vtu", "bvx"), "Field": ("npy", "nrrd", "vti"), "Sections": SECTION_OUTPUTS, "Image": ("png",)}
+    known = {"Grid": (*GRID_FORMATS, "mha", "nii"), "Volume": ("nrrd", "mha", "nii"), "Octree": ("vtu", "bvx"), "Field": ("npy", "nrrd", "vti"), "Sections": SECTION_OUTPUTS, "Image": ("png",)}
     endings = ", ".join(known.get(type(thing).__name__, MESH_OUTPUTS))
     return f"take one of {endings}" + ("" if type(thing).__name__ in known else ", or to_trimesh().export(...)")
 
@@ -217,7 +220,7 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads
 def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False,
           normals: bool = False, origin: Any = None, allow_rounding: bool = False, threads: int | None = None,
           memory_limit: int | None = None, progress: Progress = None) -> None:
-    """Write a mesh, grid, octree, field or image to a file, whole or not at all.
+    """Write a mesh, grid, octree, field, volume or image to a file, whole or not at all.
 
     Args:
         thing: what `dumps` takes.

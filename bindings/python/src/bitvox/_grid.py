@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import operator
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._calls import call
 from ._errors import ArgumentError, EmptyError, FormatError, need
+from ._html import shown
 from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
-from ._run import SIDES, Progress, Run, choice, ffi, function, in_range, lib, names_of, options_of
+from ._run import SIDES, Progress, Run, choice, ffi, function, in_range, lib, names_of, options_of, quiet
 
 if TYPE_CHECKING:
     from .reports import Difference, Topology
@@ -84,6 +87,9 @@ class Grid:
             grid = cls(Lattice((nx, ny, nz), spacing, corner))
         else:
             grid = cls(lattice, (tuple(low or (0, 0, 0)), (nx, ny, nz)))
+        if nx > 1 and nx * ny * nz > 4096 and abs(found.strides[0 if order == "xyz" else 2]) > found.itemsize:
+            grid._pack(zyx if zyx.dtype.kind == "b" else zyx != 0)
+            return grid
         rows = grid._words(writable=True)
         for z in range(nz):  # a slice at a time, so that a view with strides costs no copy of the whole
             packed = np.packbits(zyx[z] != 0 if zyx.dtype.kind != "b" else zyx[z], axis=1, bitorder="little")
@@ -91,6 +97,17 @@ class Grid:
             padded[:, : packed.shape[1]] = packed
             rows[z] = padded.view("<u8")
         return grid
+
+    def _pack(self, zyx: Any) -> None:
+        """Take the bits of a bool array [z, y, x] in whose memory x does not run fastest: the library reads samples where they lie."""
+        view = ffi.new("bvx_volume_view *")
+        view.samples, view.sample_type = arrays.address(zyx), lib.BVX_SAMPLE_U8
+        view.low, view.size, view.strides = self.low, self.shape, zyx.strides[::-1]
+        view.lattice = self._c.lattice
+        made = new_grid()
+        with quiet(), Run() as run:
+            run.check(lib.bvx_threshold(run.context, view, 1.0, 1.0, ffi.NULL, made))
+        self._c = made
 
     # ---- where it lies ----
 
@@ -154,15 +171,33 @@ class Grid:
         made = self.to_numpy()
         return made if dtype is None else made.astype(dtype)
 
-    def __getitem__(self, voxel: Any) -> bool:
-        """Whether voxel (x, y, z) of the window is set; no negative numbers, no slices (see `to_numpy`)."""
-        if isinstance(voxel, (slice, type(...))) or (isinstance(voxel, tuple) and any(isinstance(i, (slice, type(...))) for i in voxel)):
-            raise TypeError("grid[x, y, z] tells one voxel; take to_numpy() for slices")
-        x, y, z = arrays.triple("voxel", voxel, int)
-        nx, ny, nz = self.shape
-        if not (0 <= x < nx and 0 <= y < ny and 0 <= z < nz):
-            raise IndexError(f"voxel {(x, y, z)} is not in a grid of shape {self.shape}")
-        return bool(self._c.words[(z * ny + y) * self._c.words_per_row + (x >> 6)] >> (x & 63) & 1)
+    def __getitem__(self, voxel: Any) -> Any:
+        """By numpy's rules: whether voxel ``grid[x, y, z]`` of the window is set, negative numbers count from the end; with slices
+        or fewer numbers a new bool array, unpacked of the slices alone."""
+        index = voxel if isinstance(voxel, tuple) else (voxel,)
+        if len(index) == 3:
+            try:
+                at = [operator.index(i) for i in index if not isinstance(i, bool)]
+            except TypeError:
+                at = []
+            if len(at) == 3:
+                x, y, z = (i + n if i < 0 else i for i, n in zip(at, self.shape))
+                nx, ny, nz = self.shape
+                if not (0 <= x < nx and 0 <= y < ny and 0 <= z < nz):
+                    raise IndexError(f"voxel {voxel} is not in a grid of shape {self.shape}")
+                return bool(self._c.words[(z * ny + y) * self._c.words_per_row + (x >> 6)] >> (x & 63) & 1)
+        np = arrays.numpy("Grid[...]")
+        if len(index) < 3 and not any(i is Ellipsis for i in index):
+            index = (*index, *[slice(None)] * (3 - len(index)))
+        if len(index) == 3 and all(isinstance(i, (int, np.integer, slice)) and not isinstance(i, bool) for i in index):
+            inner = [i if isinstance(i, slice) else slice(i, i + 1 or None) for i in index]
+            for axis, (i, n) in enumerate(zip(index, self.shape)):
+                if not isinstance(i, slice) and not -n <= i < n:
+                    raise IndexError(f"index {i} is out of bounds for axis {axis} with size {n}")
+            rows = np.ascontiguousarray(self.words[inner[2], inner[1]].astype("<u8", copy=False)).view(np.uint8)
+            bits = np.unpackbits(rows, axis=2, count=self.shape[0], bitorder="little").view(np.bool_).transpose(2, 1, 0)[inner[0]]
+            return bits[tuple(slice(None) if isinstance(i, slice) else 0 for i in index)]
+        return self.to_numpy()[voxel]
 
     def __iter__(self) -> Any:
         raise TypeError("a Grid has no rows to walk: take to_numpy() or voxels()")
@@ -407,7 +442,7 @@ class Grid:
         given = arrays.numbers_in(seeds, "seeds", 3, "int32")
         made = new_grid()
         with Run(threads, memory_limit, progress) as run:
-            run.check(lib.bvx_grid_fill(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, connectivity, made))
+            run.check(lib.bvx_grid_fill(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, in_range("connectivity", connectivity, 6, 26), made))
         return Grid._made(made)
 
     # ---- parts ----
@@ -425,9 +460,9 @@ class Grid:
         count = ffi.new("uint64_t *")
         with Run(threads, memory_limit, progress, calls=2) as run:
             call = function("bvx_grid_components")
-            run.check(call(run.context, self._c, connectivity, ffi.NULL, 0, count))
+            run.check(call(run.context, self._c, in_range("connectivity", connectivity, 6, 26), ffi.NULL, 0, count))
             out = ffi.new("bvx_component[]", max(1, count[0]))
-            run.check(call(run.context, self._c, connectivity, out, count[0], count))
+            run.check(call(run.context, self._c, in_range("connectivity", connectivity, 6, 26), out, count[0], count))
         return arrays.records_at(out, "bvx_component", count[0], out)
 
     def label(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
@@ -440,7 +475,7 @@ class Grid:
         np = arrays.numpy("Grid.label")
         labels = np.empty(self.shape[::-1], np.uint32)
         with Run(threads, memory_limit, progress) as run:
-            run.check(function("bvx_grid_label")(run.context, self._c, connectivity, ffi.cast("uint32_t *", labels.ctypes.data), labels.size, ffi.NULL))
+            run.check(function("bvx_grid_label")(run.context, self._c, in_range("connectivity", connectivity, 6, 26), ffi.cast("uint32_t *", labels.ctypes.data), labels.size, ffi.NULL))
         return labels.transpose(2, 1, 0)
 
     def keep(self, *, largest: int | None = None, at_least: int = 0, seeds: Any = None, connectivity: int = 6,
@@ -457,7 +492,7 @@ class Grid:
             A `Grid`; ``grid.report`` is a `bitvox.reports.KeepReport`.
         """
         options = options_of("keep_options")
-        options.connectivity = connectivity
+        options.connectivity = in_range("connectivity", connectivity, 6, 26)
         options.at_least = in_range("at_least", at_least, 0, 2**63)
         if largest is not None:
             options.largest = in_range("largest", largest, 1, 2**63)
@@ -483,7 +518,7 @@ class Grid:
         """
         made = new_grid()
         with Run(threads, memory_limit, progress) as run:
-            run.check(function("bvx_grid_fill_cavities")(run.context, self._c, connectivity, in_range("at_most", at_most, 0, 2**63), made, ffi.NULL))
+            run.check(function("bvx_grid_fill_cavities")(run.context, self._c, in_range("connectivity", connectivity, 6, 26), in_range("at_most", at_most, 0, 2**63), made, ffi.NULL))
         return Grid._made(made)
 
     def topology(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
@@ -498,15 +533,17 @@ class Grid:
         """
         out = ffi.new("bvx_topology *")
         with Run(threads, memory_limit, progress) as run:
-            run.check(function("bvx_grid_topology")(run.context, self._c, connectivity, out))
+            run.check(function("bvx_grid_topology")(run.context, self._c, in_range("connectivity", connectivity, 6, 26), out))
         return record(out)
 
     # ---- growing, shrinking, distances ----
 
     def _morphed(self, operation: Any, steps: int, neighbourhood: int, radius: float | None, beyond: bool, *limits: Any) -> Grid:
         options = options_of("morph_options")
-        options.neighbourhood = neighbourhood if radius is None else 0
-        options.steps = steps
+        options.neighbourhood = in_range("neighbourhood", neighbourhood, 0, 26) if radius is None else 0
+        options.steps = in_range("steps", steps, 0, 2**31 - 1)
+        if radius is not None and not 0.0 <= float(radius) < float("inf"):
+            raise ArgumentError(f"radius is {radius}; it must be finite and not negative")
         options.radius = 0.0 if radius is None else radius
         options.beyond = int(beyond)
         made = new_grid()
@@ -567,7 +604,7 @@ class Grid:
             beyond: True when voxels beyond the window count as set.
 
         Returns:
-            A grid whose ``report`` has hollowed, drained (voxels) and drain (where the hole meets the hollow).
+            A grid (the body itself, with a warning, where the wall is thicker than the body) whose ``report`` has hollowed, drained (voxels) and drain (where the hole meets the hollow).
         """
         options, report = options_of("hollow_options"), ffi.new("bvx_hollow_report *")
         options.thickness, options.drain_radius, options.beyond = thickness, drain, int(beyond)
@@ -581,7 +618,11 @@ class Grid:
         made = new_grid()
         with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_grid_hollow(run.context, self._c, options, made))
-        return Grid._made(made, record(report))
+        found = record(report)
+        if found.hollowed == 0 and self:
+            warnings.warn(f"nothing is hollow: no voxel is deeper than the thickness of {thickness}" + (", and no hole is drilled" if drain else ""),
+                          stacklevel=2)
+        return Grid._made(made, found)
 
     def distance(self, side: str = "outside", *, beyond: str = "nothing", dtype: str = "float32", squares: bool = False,
                  nearest: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
@@ -633,8 +674,11 @@ class Grid:
         """Show its voxels in a window through PyVista; ``options`` are those of its ``plot``."""
         return self.to_pyvista().threshold(0.5, scalars="set").plot(**options)
 
+    def _repr_html_(self) -> str:
+        return shown(self, {"voxels": self.shape, "set": self.count, "spacing": self.spacing, "corner": self.corner}, self._repr_png_())
+
     def _repr_png_(self) -> bytes | None:
-        return call("render", self, size=(480, 360)).png() if self else None
+        return call("render", self, size=(480, 360)).packed_png() if self else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
         """Write it to the file ``path``, in the format of its ending or in ``format``; see `bitvox.write`."""
@@ -652,22 +696,25 @@ class Grid:
         data = bytes(ffi.buffer(self._c.words, size))
         if not arrays.LITTLE:
             data = self.words.astype("<u8").tobytes()
-        return _grid_from, (self.lattice, self.low, self.shape, data)
+        kept = {name: value for name, value in (("report", self.report), ("attached", self.attached)) if value is not None}
+        return _grid_from, (self.lattice, self.low, self.shape, data, kept)
 
 
-def _grid_from(lattice: Lattice, low: Any, shape: Any, data: bytes) -> Grid:
+def _grid_from(lattice: Lattice, low: Any, shape: Any, data: bytes, kept: Any = ()) -> Grid:
     grid = Grid(lattice, (low, shape))
     if not arrays.LITTLE:
         data = arrays.numpy("unpickling").frombuffer(data, "<u8").astype("u8").tobytes()
     if len(data) != 8 * grid._c.words_per_row * grid._c.size[1] * grid._c.size[2]:
         raise FormatError(f"{len(data)} bytes are not those of a grid of shape {grid.shape}")
     ffi.memmove(grid._c.words, data, len(data))
+    for name in kept:
+        setattr(grid, name, kept[name])
     return grid
 
 
 def triple_of(values: Any, name: str = "factor") -> Any:
     """Three whole numbers as the library takes them."""
-    return arrays.triple(name, in_range(name, values, -(2**31), 2**31 - 1) if isinstance(values, (int, float)) else values, int)
+    return arrays.triple(name, in_range(name, values, 0, 2**31 - 1) if isinstance(values, (int, float)) else values, int)
 
 
 def axis_of(name: str, axis: Any) -> int:

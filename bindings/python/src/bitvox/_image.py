@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import struct
+import zlib
 from typing import Any, Sequence
 
 from . import _arrays as arrays
@@ -10,6 +12,7 @@ from ._bytes import write_bytes
 from ._calls import entered
 from ._errors import ArgumentError
 from ._grid import Grid
+from ._html import shown
 from ._mesh import Mesh
 from ._run import Progress, Run, ffi, in_range, lib, options_of
 
@@ -39,12 +42,31 @@ class Image:
             run.check(lib.bvx_write_png(run.context, self._c, out))
         return bytes(ffi.buffer(out.bytes, out.size))
 
+    def packed_png(self) -> bytes:
+        """A smaller PNG file's bytes with the same pixels, for notebooks; what zlib makes of them depends on its version."""
+        width, height = self.size
+        rows = bytes(ffi.buffer(self._c.pixels, 3 * width * height))
+        plain = b"".join(b"\0" + rows[3 * width * y : 3 * width * (y + 1)] for y in range(height))
+        parts = ((b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(plain, 6)), (b"IEND", b""))
+        return b"\x89PNG\r\n\x1a\n" + b"".join(struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+                                               for name, data in parts)
+
+    def _repr_html_(self) -> str:
+        return shown(self, {"width, height": self.size}, self.packed_png())
+
     def _repr_png_(self) -> bytes:
-        return self.png()
+        return self.packed_png()
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
-        np = arrays.numpy("Image")
-        return np.array(self.pixels, dtype=dtype)
+        return arrays.handed(self.pixels, dtype, copy)
+
+    def __eq__(self, other: object) -> bool:
+        return self.size == other.size and bytes(self.pixels) == bytes(other.pixels) if isinstance(other, Image) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> Any:
+        return _image_from, (*self.size, bytes(self.pixels))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a PNG file; ``path`` ends in .png."""
@@ -54,6 +76,12 @@ class Image:
 
     def __repr__(self) -> str:
         return f"Image({self.size[0]} x {self.size[1]})"
+
+
+def _image_from(width: int, height: int, data: bytes) -> Image:
+    made, pixels = ffi.new("bvx_image *"), ffi.new("uint8_t[]", data)
+    made.pixels, made.width, made.height = pixels, width, height
+    return Image(ffi.gc(made, lambda _, pixels=pixels: None))
 
 
 def _colour(name: str, value: Sequence[int]) -> tuple[int, int, int, int]:

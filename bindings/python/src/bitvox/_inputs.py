@@ -33,13 +33,17 @@ def mesh_from(source: Any) -> Mesh:
     ):
         if looks(source):
             return take(source)
-    if getattr(source, "ndim", 0) == 3:
+    if getattr(source, "ndim", 0) == 3 and not hasattr(source, "words"):
         return Mesh(source)
+    if hasattr(source, "words") and hasattr(source, "surface"):
+        raise TypeError("a Grid is not a mesh: give its surface, grid.surface() (or grid.faces(), bitvox.faces); grids are combined by |, &, -, ^")
+    if hasattr(source, "lattice") and hasattr(source, "surface"):
+        raise TypeError(f"{type(source).__name__} is not a mesh: give its surface()")
     if _has(source, "extract_surface"):
         raise TypeError(f"{type(source).__name__} holds volumes: give its surface, extract_surface(), or for an image its voxels, "
                         "image.bitvox.grid()")
     raise TypeError(
-        f"{type(source).__name__} is no mesh: give (vertices, faces), a Mesh, or a mesh of trimesh, PyVista, Open3D or meshio"
+        f"{type(source).__name__} is not a mesh: give (vertices, faces), a Mesh, or a mesh of trimesh, PyVista, Open3D or meshio"
     )
 
 
@@ -53,8 +57,11 @@ def _is_trimesh(source: Any) -> bool:
 
 def _from_trimesh(source: Any) -> Mesh:
     visual = getattr(source, "visual", None)
-    colours = getattr(visual, "vertex_colors", None) if getattr(visual, "kind", None) == "vertex" else None
-    return Mesh(_base(source.vertices), _base(source.faces), colours=None if colours is None else _base(colours))
+    kind = getattr(visual, "kind", None)
+    colours = getattr(visual, "vertex_colors", None) if kind in ("vertex", "face") else None  # of faces: the mean around each vertex
+    uvs = getattr(visual, "uv", None) if kind == "texture" else None
+    return Mesh(_base(source.vertices), _base(source.faces), colours=None if colours is None else _base(colours),
+                uvs=None if uvs is None or len(uvs) != len(source.vertices) else _base(uvs))
 
 
 def _base(array: Any) -> Any:
@@ -83,7 +90,18 @@ def _from_polydata(source: Any) -> Mesh:
     faces = np.asarray(source.faces)
     if faces.size % 4 or (faces[::4] != 3).any():
         raise ArgumentError("the PolyData holds faces that triangulate() leaves")
-    return Mesh(np.asarray(source.points), faces.reshape(-1, 4)[:, 1:])
+    return Mesh(np.asarray(source.points), faces.reshape(-1, 4)[:, 1:], colours=_point_colours(source),
+                uvs=getattr(source, "active_texture_coordinates", None))
+
+
+def _point_colours(source: Any) -> Any:
+    """PyVista's colours: bytes by point, three or four, under a name that says so."""
+    for name in ("colours", "colors", "RGB", "RGBA", "rgb", "rgba"):
+        if name in source.point_data:
+            found = source.point_data[name]
+            if found.dtype == "uint8" and found.ndim == 2 and found.shape[1] in (3, 4):
+                return found
+    return None
 
 
 def _is_open3d_tensor(source: Any) -> bool:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Sequence, Union
 from ._arrays import triple
 from ._calls import call
 from ._errors import ArgumentError, RangeError
+from ._html import shown
 from ._run import Run, ffi, function, in_range, lib, options_of
 
 
@@ -171,6 +172,9 @@ class Lattice:
 
     def __reduce__(self) -> Any:
         return _lattice_from, self._key()
+
+    def _repr_html_(self) -> str:
+        return shown(self, {"voxels": self.shape, "spacing": self.spacing, "corner": self.corner})
 
     def __repr__(self) -> str:
         return f"Lattice(shape={self.shape}, spacing={self.spacing}, corner={self.corner})"

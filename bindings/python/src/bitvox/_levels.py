@@ -40,6 +40,9 @@ class Levels(list):
 
     report: LevelsReport | None = None
 
+    def _repr_html_(self) -> str:
+        return "".join(level._repr_html_() for level in self)
+
 
 # ---- what is asked for ----
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Sequence
 from . import _arrays as arrays
 from ._calls import call, entered
 from ._errors import ArgumentError, RangeError, need
+from ._html import shown
 from ._records import record
 from ._run import Progress, Run, ffi, lib, number_of, quiet
 
@@ -183,6 +184,12 @@ class Mesh:
         other._faces = found
         other._colours, other._uvs, other._uv_faces = self._colours, self._uvs, self._uv_faces
         other._keys, other.frame, other.report = self._keys, self.frame, self.report
+        return other
+
+    def _with_vertices(self, vertices: Any) -> Mesh:
+        """The same mesh with other positions."""
+        other = self.astype()
+        other._vertices = arrays.vertices_in(vertices)
         return other
 
     def drop_nonfinite(self) -> Mesh:
@@ -414,9 +421,24 @@ class Mesh:
         return np.asarray(self._vertices, np.float64) + np.asarray(self.frame) if any(self.frame) else np.asarray(self._vertices, np.float64)
 
     def to_trimesh(self) -> Any:
-        """A trimesh.Trimesh with the same vertices and faces, in the same order, and colours where there are any."""
+        """A trimesh.Trimesh with the same vertices and faces, in the same order, and colours where there are any; with texture coordinates
+        where there are some: vertices on seams are then there once for each."""
         trimesh = need("trimesh", "formats")
-        return trimesh.Trimesh(self.in_world(), self.faces.astype("int64"), vertex_colors=self._colours, process=False)
+        if self._uvs is None:
+            return trimesh.Trimesh(self.in_world(), self.faces.astype("int64"), vertex_colors=self._colours, process=False)
+        vertices, faces, uvs = self._seams_split()
+        visual = need("trimesh.visual", "formats").TextureVisuals(uv=uvs)
+        return trimesh.Trimesh(vertices, faces, visual=visual, process=False)
+
+    def _seams_split(self) -> tuple[Any, Any, Any]:
+        """Vertices, faces and one texture coordinate a vertex: those on seams are there once for each."""
+        np = arrays.numpy("texture coordinates")
+        faces = np.asarray(self.faces).astype("int64")
+        if self._uv_faces is None:
+            return self.in_world(), faces, np.asarray(self._uvs, float)
+        pairs = np.stack([faces.ravel(), np.asarray(self._uv_faces).ravel().astype("int64")], axis=1)
+        unique, numbers = np.unique(pairs, axis=0, return_inverse=True)
+        return self.in_world()[unique[:, 0]], numbers.reshape(-1, 3), np.asarray(self._uvs, float)[unique[:, 1]]
 
     def to_pyvista(self) -> Any:
         """A pyvista.PolyData; colours become the point data "colours"."""
@@ -428,6 +450,8 @@ class Mesh:
         made = pyvista.PolyData(self.in_world(), flat.ravel())
         if self._colours is not None:
             made.point_data["colours"] = np.asarray(self._colours)
+        if self._uvs is not None and self._uv_faces is None:
+            made.active_texture_coordinates = np.asarray(self._uvs)
         return made
 
     def plot(self, **options: Any) -> Any:
@@ -436,8 +460,11 @@ class Mesh:
             options = {"scalars": "colours", "rgb": True, **options}
         return self.to_pyvista().plot(**options)
 
+    def _repr_html_(self) -> str:
+        return shown(self, {"vertices": self.n_vertices, "faces": self.n_faces, "low": self.bounds[0], "high": self.bounds[1]}, self._repr_png_())
+
     def _repr_png_(self) -> bytes | None:
-        return call("render", self, size=(480, 360)).png() if self.n_faces else None
+        return call("render", self, size=(480, 360)).packed_png() if self.n_faces else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, normals: bool = False, origin: Any = None,
              allow_rounding: bool = False) -> None:

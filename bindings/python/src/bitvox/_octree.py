@@ -9,6 +9,7 @@ from . import _arrays as arrays
 from ._calls import TABLE, call
 from ._errors import ArgumentError
 from ._grid import Grid, new_grid
+from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._records import record
@@ -163,8 +164,18 @@ class Octree:
         in a set of states."""
         call("write", self, path, states=states)
 
+    def __eq__(self, other: object) -> bool:
+        return bool(call("dumps", self, "bvx") == call("dumps", other, "bvx")) if isinstance(other, Octree) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
     def __reduce__(self) -> Any:
         return TABLE["loads"], (call("dumps", self, "bvx"), "bvx")
+
+    def _repr_html_(self) -> str:
+        finest = self.lattice()
+        return shown(self, {"levels": self.levels, "leaves": sum(c.voxels - c.split for c in self.counts()), "finest": finest.shape,
+                            "spacing": finest.spacing})
 
     def __repr__(self) -> str:
         counts = self.counts()

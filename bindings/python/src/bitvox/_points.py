@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any, Sequence
 
 from . import _arrays as arrays
@@ -113,4 +114,9 @@ def voxelize_points(
     made = new_grid()
     with Run(threads, memory_limit, progress) as run:
         run.check(function("bvx_voxelize_points")(run.context, points_view(held, run), lattice._c, options, made))
-    return Grid._made(made, record(report))
+    found = record(report)
+    if body and found.pockets == 0:
+        wider = max(1, 2 * options.close_gaps)
+        warnings.warn(f"no body: the flood reaches everything behind the points; try close_gaps={wider} with padding={wider}, or a lower resolution",
+                      stacklevel=2)
+    return Grid._made(made, found)

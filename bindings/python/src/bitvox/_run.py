@@ -74,8 +74,8 @@ def settings(*, threads: int | None = None, memory_limit: int | None = None, pro
             ``OMP_NUM_THREADS``), in a forked child one. Small calls and busy machines get fewer, at no cost.
         memory_limit: most bytes that one call may hold, its result included; 0 is no limit.
         progress: True for a bar (needs tqdm), or a callable ``progress(stage, fraction)``. Each call that is given one is one rise
-            of the fraction: it never falls, and 1 is its last value, where the call succeeds. When it returns False the call
-            ends with `Cancelled` (but for the last value: the result is there), and what it raises comes out of the call.
+            of the fraction: it never falls, and 1 is its last value, where the call succeeds. When it returns a false value that
+            is not None (False, 0, numpy's False) the call ends with `Cancelled` (but for the last value: the result is there), and what it raises comes out of the call.
             Set here, it is called for what takes a while, not for lengths and hashes.
     """
     old = _settings.get()
@@ -96,7 +96,8 @@ def bvxpy_progress(user: Any, stage: Any, fraction: float) -> int:
     if run.progress is None:
         return 0
     try:
-        return 1 if run.report(ffi.string(stage).decode("utf-8", "replace"), fraction) is False else 0
+        said = run.report(ffi.string(stage).decode("utf-8", "replace"), fraction)
+        return 1 if said is not None and not said else 0
     except BaseException as error:
         run.error = error
         return 1

@@ -9,6 +9,7 @@ from . import _arrays as arrays
 from ._calls import call
 from ._errors import ArgumentError
 from ._grid import Grid
+from ._html import shown
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of
@@ -74,9 +75,9 @@ class Sections:
         """The bodies, in order of their first loops."""
         return list(dict.fromkeys(loop.label for loop in self.loops))
 
-    def of(self, label: str) -> Sections:
-        """The loops of the body with this ``label``."""
-        made = Sections.__new__(Sections)
+    def of(self, label: str | int) -> Sections:
+        """The loops of the body with this ``label``; a number is its text."""
+        made, label = Sections.__new__(Sections), str(label)
         chosen = [i for i, loop in enumerate(self.loops) if loop.label == label]
         if not chosen:
             raise ArgumentError(f"no loop has the label {label!r}; there are: {', '.join(map(repr, self.labels))}")
@@ -143,6 +144,18 @@ class Sections:
     def __len__(self) -> int:
         return len(self.positions)
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Sections):
+            return NotImplemented
+        np = arrays.numpy("Sections")
+        return ((self.normal, self.section_of, self.positions) == (other.normal, other.section_of, other.positions)
+                and all(a.label == b.label and np.array_equal(a.points, b.points) for a, b in zip(self.loops, other.loops)))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _repr_html_(self) -> str:
+        return shown(self, {"planes": len(self.positions), "loops": len(self.loops), "bodies": self.labels, "normal": self.normal})
+
     def __repr__(self) -> str:
         return f"Sections({len(self.positions)} planes, {len(self.loops)} loops, {len(self.labels)} bodies)"
 
@@ -195,7 +208,7 @@ def from_sections(
     mend: bool = False,
     crossings: str = "exact",
     subdivide: int | None = None,
-    label: str | None = None,
+    label: str | int | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
     error_kind: str | None = None,
@@ -257,7 +270,7 @@ def from_sections(
     if label is None and len(given.labels) > 1:
         raise ArgumentError(f"there are several bodies; give label= one of {', '.join(map(repr, given.labels))}")
     if label is not None:
-        numbers = given._numbers()
+        label, numbers = str(label), given._numbers()
         if label not in numbers:
             raise ArgumentError(f"no loop has the label {label!r}; there are: {', '.join(map(repr, given.labels))}")
         options.label = numbers[label]

@@ -9,6 +9,7 @@ from ._calls import call, entered
 from ._errors import ArgumentError
 from ._field import EDGES
 from ._grid import Attached, Grid, new_grid
+from ._html import shown
 from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, new_mesh, with_positions
 from ._records import record
@@ -295,7 +296,7 @@ def grid_of(source: Any) -> Grid:
         return source
     if getattr(source, "ndim", 0) == 3:
         return Grid.from_numpy(source)
-    raise TypeError(f"{type(source).__name__} is no grid: give a Grid or a three-dimensional array")
+    raise TypeError(f"{type(source).__name__} is not a grid: give a Grid or a three-dimensional array")
 
 
 def merge(parts: Sequence[Mesh], *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
@@ -404,13 +405,25 @@ class Closest:
         mesh: what `Mesh.of` takes.
     """
 
-    __slots__ = ("_c",)
+    __slots__ = ("_c", "_mesh")
 
     def __init__(self, mesh: Any, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
         out = ffi.new("bvx_closest **")
+        self._mesh = Mesh.of(mesh)  # arrays that are the caller's stay his; for copies and equality
         with Run(threads, memory_limit, progress) as run:
-            run.check(lib.bvx_closest_create(run.context, Mesh.of(mesh)._view(run), out))
+            run.check(lib.bvx_closest_create(run.context, self._mesh._view(run), out))
         self._c = ffi.gc(out[0], lib.bvxpy_free_closest)
+
+    def __eq__(self, other: object) -> bool:
+        return self._mesh == other._mesh if isinstance(other, Closest) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _repr_html_(self) -> str:
+        return shown(self, {"vertices": self._mesh.n_vertices, "faces": self._mesh.n_faces})
+
+    def __reduce__(self) -> Any:
+        return Closest, (self._mesh,)
 
     def find(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
         """The nearest points of the mesh.

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
+import re
 import zlib
 from typing import Any, Iterable, Sequence
 
 from . import _arrays as arrays
 from ._bytes import format_of, read_bytes
 from ._calls import call
-from ._errors import ArgumentError, FormatError
+from ._errors import ArgumentError, FormatError, UnsupportedError
 from ._grid import Grid, new_grid
+from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._records import record
@@ -20,6 +23,8 @@ from ._vti import without_blocks
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
+BY_LIBRARIES = ("mha", "mhd", "gipl", "hdr", "img", "mgz", "mgh", "tif", "tiff", "vtk", "slc")  # SimpleITK, PyVista
+FRAMES = ("lps", "ras")
 VOLUME_FORMATS = (*formats_in(lib.BVX_VOLUMES_READ), "nhdr")
 
 
@@ -35,17 +40,22 @@ class Volume:
             (to float32), other byte orders, and what is no array of numpy.
         order: "xyz" (array[x, y, z]) or "zyx" (array[z, y, x], as most medical readers give it).
         spacing, corner: of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
-        lattice, low: a lattice that the array is a window of, at voxel ``low``; in place of spacing and corner.
+        center0: centre of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
+        direction: three by three numbers whose columns are the directions of the array's axes x, y and z in the world, as SimpleITK's
+            GetDirection and VTK's direction_matrix give them; flipped, permuted and oblique ones too. None: along the world's.
+        lattice, low: a lattice that the array is a window of, at voxel ``low``; in place of spacing, corner and center0.
+        frame: what the world's axes are: "lps" (x to the patient's left, y to the back, z to the head), "ras", or None: not said.
 
     Attributes:
         report: what the last of `threshold` and `surface` counted, a named tuple with the samples that are NaN or infinite, those
             inside, the least and the greatest; None before.
     """
 
-    __slots__ = ("_array", "_c", "report", "__weakref__")
+    __slots__ = ("_array", "_c", "_turn", "frame", "report", "__weakref__")
 
-    def __init__(self, array: Any, *, order: str = "xyz", spacing: Any = 1.0, corner: Sequence[float] = (0.0, 0.0, 0.0),
-                 lattice: Lattice | None = None, low: Sequence[int] | None = None) -> None:
+    def __init__(self, array: Any, *, order: str = "xyz", spacing: Any = 1.0, corner: Sequence[float] | None = None,
+                 center0: Sequence[float] | None = None, direction: Any = None, lattice: Lattice | None = None,
+                 low: Sequence[int] | None = None, frame: str | None = None) -> None:
         np = arrays.numpy("Volume")
         found = arrays.as_numpy(array, "array")
         if found.ndim != 3 or 0 in found.shape:
@@ -65,10 +75,28 @@ class Volume:
             found = found.astype(found.dtype.newbyteorder("="))
         if not any(found.strides):  # one number everywhere: strides of 0 would stand for packed ones
             found = np.array(found)
-        where = lattice if lattice is not None else Lattice(found.shape, spacing, corner)
-        self._set(found, where, tuple(low or (0, 0, 0)))
+        turn = turn_of(direction)
+        if lattice is None:
+            lattice = self._placed(found.shape, spacing, corner, center0, turn)
+        elif corner is not None or center0 is not None:
+            raise ArgumentError("lattice contradicts corner and center0; give one of them")
+        self._set(found, lattice, tuple(low or (0, 0, 0)), turn, frame_of(frame))
 
-    def _set(self, array: Any, lattice: Lattice, low: Any) -> None:
+    @staticmethod
+    def _placed(shape: Any, spacing: Any, corner: Any, center0: Any, turn: Any) -> Lattice:
+        """The lattice in the volume's own frame, from which ``turn`` leads into the world."""
+        if corner is not None and center0 is not None:
+            raise ArgumentError("corner and center0 contradict each other; give one of them")
+        given = arrays.triple("corner", (0.0, 0.0, 0.0)) if corner is None else arrays.triple("corner", corner)
+        own = given if turn is None else tuple(from_world(turn, [given])[0].tolist())
+        if center0 is not None:
+            steps, given = arrays.triple("spacing", spacing), arrays.triple("center0", center0)
+            middle = given if turn is None else from_world(turn, [given])[0].tolist()
+            own = tuple(c - 0.5 * s for c, s in zip(middle, steps))
+        return Lattice(shape, spacing, own)
+
+    def _set(self, array: Any, lattice: Lattice, low: Any, turn: Any = None, frame: str | None = None) -> None:
+        self._turn, self.frame = turn, frame
         view = ffi.new("bvx_volume_view *")
         view.samples = arrays.address(array)
         view.sample_type = _type_number(array.dtype.kind + str(array.dtype.itemsize))
@@ -81,9 +109,98 @@ class Volume:
         """The samples as array[x, y, z]; no copy."""
         return self._array
 
+    @classmethod
+    def of(cls, source: Any, *, scalars: str | None = None, order: str | None = None, spacing: Any = None, center0: Any = None,
+           frame: str | None = None) -> Volume:
+        """A volume of what other libraries hold, with its place and directions; the samples are not copied where that is possible.
+
+        Args:
+            source: an image of SimpleITK or nibabel, a ``pyvista.ImageData``, an xarray ``DataArray``, a Zarr array, or a `Volume`.
+            scalars: of PyVista: which point or cell data; None: the active ones.
+            order: of xarray and Zarr, "xyz" or "zyx": which axes the array has. Default: by their names, else "zyx".
+            spacing, center0: of Zarr, which tells none.
+            frame: the world to come out in, "lps" or "ras", by turning x and y. None: that of the source, "lps" of SimpleITK, "ras" of nibabel;
+                the others say none and cannot be turned.
+        """
+        if isinstance(source, cls):
+            return source
+        made: Volume = call("volume_from", source, scalars, order, spacing, center0, frame_of(frame))
+        return made
+
+    @property
+    def direction(self) -> Any:
+        """Three by three float64: columns are the directions of the axes x, y, z in the world."""
+        np = arrays.numpy("Volume")
+        return np.eye(3) if self._turn is None else self._turn.copy()
+
+    @property
+    def corner(self) -> tuple[float, float, float]:
+        """Low corner of the first voxel, where its axes begin [world]."""
+        return self._world([(low - 0.5) for low in (0, 0, 0)])
+
+    @property
+    def center0(self) -> tuple[float, float, float]:
+        """Centre of the first voxel: what SimpleITK calls the origin [world]."""
+        return self._world((0, 0, 0))
+
+    def _world(self, ijk: Any) -> tuple[float, float, float]:
+        x, y, z = self.to_world([ijk])[0].tolist()
+        return (x, y, z)
+
+    def to_world(self, ijk: Any) -> Any:
+        """Positions (n, 3) of places given by ``ijk`` (n, 3), counted in samples from the first one [world]."""
+        np = arrays.numpy("Volume")
+        own = np.array(tuple(self._c.lattice.origin)) + (np.asarray(ijk, float) + self.low + 0.5) * np.asarray(self.spacing)
+        return own if self._turn is None else into_world(self._turn, own)
+
+    @property
+    def bounds(self) -> Any:
+        """Low and high corner of the box along the world's axes that holds all voxels [world]."""
+        np = arrays.numpy("Volume")
+        ends = [[0 if end >> a & 1 == 0 else n for a, n in enumerate(self.shape)] for end in range(8)]
+        found = self.to_world(np.array(ends) - 0.5)
+        return tuple(found.min(axis=0).tolist()), tuple(found.max(axis=0).tolist())
+
+    def turned(self, frame: str) -> Volume:
+        """The same samples in the world of another ``frame``, "lps" or "ras": x and y change their sign. No copy."""
+        np = arrays.numpy("Volume")
+        wanted = frame_of(frame)
+        if self.frame is None or wanted is None:
+            raise ArgumentError("which frame the volume is in is not said: give Volume(..., frame=)")
+        if wanted == self.frame:
+            return self
+        made, change = Volume.__new__(Volume), np.diag([-1.0, -1.0, 1.0])
+        turn = change @ self.direction
+        made._set(self._array, self.lattice, self.low, None if (turn == np.eye(3)).all() else turn, wanted)
+        return made
+
+    def aligned(self, *, spacing: Any = None, method: str = "linear", outside: Any = None) -> Volume:
+        """The volume with axes along the world's: what lies flipped or permuted is turned without a copy, what lies oblique is
+        sampled anew on a lattice around it.
+
+        Args:
+            spacing: of the new lattice of an oblique one. Default: its own smallest, along all axes [world].
+            method: of an oblique one, "linear" or "nearest" (for labels).
+            outside: value beyond the samples. Default: the least sample.
+        """
+        np = arrays.numpy("Volume")
+        if self._turn is None:
+            return self
+        order = np.abs(self._turn).argmax(axis=0)
+        plain = np.zeros((3, 3))
+        plain[order, range(3)] = np.sign(self._turn[order, range(3)])
+        if sorted(order) == [0, 1, 2] and np.abs(self._turn - plain).max() <= 1e-9:
+            axes = [int(a) for a in np.argsort(order)]  # of the samples, which becomes x, y, z
+            flips = [float(plain[a, axes[a]]) < 0 for a in range(3)]
+            array = self._array.transpose(axes)[tuple(slice(None, None, -1) if f else slice(None) for f in flips)]
+            first = [0 if not f else n - 1 for f, n in zip((flips[int(a)] for a in order), self.shape)]
+            return Volume(array, spacing=[self.spacing[a] for a in axes], center0=self._world(first), frame=self.frame)
+        return call("resampled", self, spacing, method, outside)
+
     @property
     def lattice(self) -> Lattice:
-        """The lattice whose voxels' centres the samples are."""
+        """The lattice whose voxels' centres the samples are; with a direction, in the volume's own frame: the world is
+        ``direction @ position``."""
         return Lattice._of(self._c.lattice)
 
     @property
@@ -113,8 +230,46 @@ class Volume:
         if any(s.start < 0 or s.stop > n for s, n in zip(part, self.shape)):
             raise ArgumentError(f"window: not inside the volume's {self.shape}")
         made = Volume.__new__(Volume)
-        made._set(self._array[part], self.lattice, tuple(a + s.start for a, s in zip(self.low, part)))
+        made._set(self._array[part], self.lattice, tuple(a + s.start for a, s in zip(self.low, part)), self._turn, self.frame)
         return made
+
+    def to_numpy(self, order: str = "xyz") -> Any:
+        """The samples, ``array[x, y, z]``, or with order "zyx" ``array[z, y, x]``; no copy."""
+        if order not in ("xyz", "zyx"):
+            raise ArgumentError(f"order is {order!r}; it must be 'xyz' or 'zyx'")
+        return self._array if order == "xyz" else self._array.transpose(2, 1, 0)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        return arrays.handed(self._array, dtype, copy)
+
+    def __getitem__(self, index: Any) -> Any:
+        """``volume[x, y, z]`` and all else that numpy takes, of the samples."""
+        return self._array[index]
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Volume):
+            return NotImplemented
+        np = arrays.numpy("Volume")
+        return (self._array.dtype == other._array.dtype and (self.lattice, self.low, self.frame) == (other.lattice, other.low, other.frame)
+                and np.array_equal(self.direction, other.direction)
+                and np.array_equal(self._array, other._array, equal_nan=self._array.dtype.kind == "f"))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> Any:
+        np = arrays.numpy("pickling")
+        return _volume_from, (np.array(self._array), self.lattice, self.low, self._turn, self.frame, self.report)
+
+    def _repr_html_(self) -> str:
+        middle = [n // 2 for n in self.shape]
+        facts = {"samples": self.shape, "type": self._array.dtype, "spacing": self.spacing, "center0": self.center0,
+                 "axes": "along the world's" if self._turn is None else self._turn.round(6).tolist(), "frame": self.frame or "not said",
+                 f"value at {tuple(middle)}": self._array[tuple(middle)]}
+        return shown(self, facts)
+
+    def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
+        """Write it to the file ``path``, in the format of its ending or in ``format``: .nrrd, .mha or .nii; see `bitvox.write`."""
+        call("write", self, path, format=format)
 
     # ---- what is made of it ----
 
@@ -123,13 +278,26 @@ class Volume:
         """The voxels with low <= sample <= high, exactly; NaN and infinite samples are never set.
 
         Returns:
-            A `Grid` of the volume's window; its ``report`` and that of the volume tell what was counted.
+            A `Grid` of the volume's window; its ``report`` and that of the volume tell what was counted. Of a volume whose axes are
+            flipped or permuted, the grid is that of `aligned`.
         """
+        low, high = number("low", low), number("high", high)
+        if low > high:
+            raise ArgumentError(f"low is {low:g} and high is {high:g}: no sample is at or above the one and at or below the other")
         grid, report = new_grid(), ffi.new("bvx_volume_report *")
+        given = self if self._turn is None else self._without_resampling()
         with Run(threads, memory_limit, progress) as run:
-            run.check(lib.bvx_threshold(run.context, self._c, float(low), float(high), report, grid))
+            run.check(lib.bvx_threshold(run.context, given._c, low, high, report, grid))
         self.report = record(report)
         return Grid._made(grid, self.report)
+
+    def _without_resampling(self) -> Volume:
+        """With axes along the world's, where that needs no new samples."""
+        np = arrays.numpy("Volume")
+        if (np.abs(np.abs(self._turn).max(axis=0) - 1.0) > 1e-9).any():
+            raise ArgumentError("the volume lies oblique to the world's axes, and a Grid lies along them: take volume.aligned().threshold(...), "
+                                "which samples it anew, or volume.surface(level), which does not")
+        return self.aligned()
 
     def label(self, value: int, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """The voxels of a label: those whose sample is ``value``."""
@@ -155,22 +323,26 @@ class Volume:
         """The closed, manifold surface of a level by marching cubes, vertices by linear interpolation between samples.
 
         Args:
-            level: what lies at or above it is inside. NaN and infinite samples are outside, and so is all beyond the volume.
+            level: what lies at or above it is inside; vertices stay 1/128 of an edge off the samples. NaN and infinite samples are outside, and so is all beyond the volume.
             below: what lies at or below the level is inside.
             face_rule, dtype, open_sides, keys, local_frame: as for `bitvox.surface`.
             triangles, error, error_kind: most triangles of the surface, or its distance to what it would be without, by edges that
                 collapse: as for `bitvox.repair`. Not with ``keys`` or ``open_sides``.
 
         Returns:
-            A `Mesh` with uint32 faces; ``report`` of the volume tells what was counted.
+            A `Mesh` with uint32 faces, in the world; ``report`` of the volume tells what was counted.
         """
         targets = level_target(triangles, error, error_kind)
+        if self._turn is not None and (keys or open_sides):
+            raise ArgumentError("keys and open_sides are for volumes whose axes are the world's: take volume.aligned() first")
+        if self._turn is not None and dtype is None:
+            dtype = "float64"  # turned positions need more digits than the lattice's own
         if targets and (keys or open_sides):
             raise ArgumentError(f"{next(iter(targets))} and {'keys' if keys else 'open_sides'} contradict each other: parts of a surface are "
                                 "merged whole; simplify what merge makes")
         limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
         options, report = options_of("scalar_options"), ffi.new("bvx_volume_report *")
-        options.level, options.below, options.report = float(level), int(bool(below)), report
+        options.level, options.below, options.report = number("level", level), int(bool(below)), report
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
         options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
         for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
@@ -178,11 +350,73 @@ class Volume:
         with Rise(progress, 30, *((70,) if targets else ())) as limits["progress"]:
             mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, self._c, options, made), **limits)
             self.report = record(report)
-            return collapsed(mesh, targets, limits)
+            return self._in_world(collapsed(mesh, targets, limits))
+
+    def _in_world(self, mesh: Mesh) -> Mesh:
+        """A mesh in the volume's own frame, turned into the world; a mirror turns its faces."""
+        if self._turn is None:
+            return mesh
+        np = arrays.numpy("Volume")
+        faces = np.asarray(mesh.faces)
+        if np.linalg.det(self._turn) < 0:
+            faces = np.ascontiguousarray(faces[:, ::-1])
+        turned = into_world(self._turn, np.asarray(mesh.vertices, np.float64)).astype(np.asarray(mesh.vertices).dtype)
+        made = Mesh(turned, faces, frame=tuple(into_world(self._turn, np.asarray([mesh.frame]))[0].tolist()))
+        made.report = mesh.report
+        return made
 
     def __repr__(self) -> str:
         x, y, z = self.shape
         return f"Volume({x} x {y} x {z}, {self._array.dtype})"
+
+
+def frame_of(frame: str | None) -> str | None:
+    """A frame's name, or an error."""
+    if frame is None or frame in FRAMES:
+        return frame
+    raise ArgumentError(f"frame is {frame!r}; it must be 'lps' or 'ras'")
+
+
+def turn_of(direction: Any) -> Any:
+    """A matrix of directions of length 1, or None for those of the world."""
+    if direction is None:
+        return None
+    np = arrays.numpy("Volume")
+    found = np.array(arrays.as_numpy(direction, "direction"), np.float64)
+    if found.size != 9:
+        raise ArgumentError(f"direction has shape {found.shape}; it must be (3, 3), columns the directions of x, y and z")
+    found = found.reshape(3, 3)
+    if not np.isfinite(found).all() or (np.abs(np.linalg.norm(found, axis=0) - 1.0) > 1e-3).any() or abs(np.linalg.det(found)) < 1e-6:
+        raise ArgumentError("direction: its columns must be of length 1 and lie in no plane")
+    return None if (found == np.eye(3)).all() else found
+
+
+def into_world(turn: Any, points: Any) -> Any:
+    """``turn @ point`` of each, by sums in one order: matrix products of libraries round as the machine likes."""
+    np = arrays.numpy("Volume")
+    x, y, z = np.asarray(points, float).T
+    return np.stack([row[0] * x + row[1] * y + row[2] * z for row in turn], axis=1)
+
+
+def from_world(turn: Any, points: Any) -> Any:
+    """The other way round; exact for axes that are flipped and permuted."""
+    np = arrays.numpy("Volume")
+    transposed = np.abs(turn.T @ turn - np.eye(3)).max() < 1e-12
+    return into_world(turn.T if transposed else np.linalg.inv(turn), points)
+
+
+def number(name: str, value: Any) -> float:
+    """A number, not a text of one."""
+    if isinstance(value, (str, bytes)):
+        raise TypeError(f"{name} must be a number, not {value!r}")
+    return float(value)
+
+
+def _volume_from(array: Any, lattice: Lattice, low: Any, turn: Any, frame: str | None, report: Any) -> Volume:
+    made = Volume.__new__(Volume)
+    made._set(array, lattice, low, turn, frame)
+    made.report = report
+    return made
 
 
 @ffi.def_extern(error=1)
@@ -225,17 +459,20 @@ def _data_files(run: Run, held: Any, path: str) -> bytes | None:
 
 
 def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shape: Sequence[int] | None = None, dtype: Any = None,
-                spacing: Any = None, corner: Sequence[float] | None = None, offset: int = 0, threads: int | None = None,
+                spacing: Any = None, corner: Sequence[float] | None = None, offset: int = 0, frame: str | None = None, threads: int | None = None,
                 memory_limit: int | None = None, progress: Progress = None) -> Volume:
     """Read a volume's samples from a file.
 
     Args:
         path: .nrrd, .nhdr (raw, ascii or gzip; its data files are looked for beside it), .npy, .vti or .raw, each also as .gz; with
-            ``bitvox[medical]`` .nii, .nii.gz, and the folder of a DICOM series, for which `bitvox.formats` has more choices.
+            ``bitvox[medical]`` .nii, .nii.gz, .mha, .mhd, .gipl, .hdr, .img, .mgz, .tif, .nrrd of any kind (SimpleITK), and the folder of
+            a DICOM series, for which `bitvox.formats` has more choices; with ``bitvox[view]`` .vtk and .slc.
         format: one of these endings, in place of the name's own.
         shape, dtype, offset: of .raw: samples along x, y, z (x runs fastest), their numpy type with its byte order, and the bytes
             before the first.
         spacing, corner: the lattice of files that tell none (.raw, .npy) [world].
+        frame: the world to come out in, "lps" or "ras", by turning x and y. None, the default of all formats: the numbers that stand in
+            the file; ``volume.frame`` tells which world that is (NIfTI "ras"; DICOM, MetaImage "lps"; NRRD what it says).
 
     Returns:
         A `Volume`. Use `Volume.threshold`, `Volume.surface` and `Volume.labels` to make something of it.
@@ -246,9 +483,13 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     if kind in ("nii", "dcm"):
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
             raise ArgumentError(f"{path}: the file tells shape, dtype, spacing and corner itself")
-        return call("read_nifti_volume" if kind == "nii" else "read_dicom_volume", path)
+        return _in_frame(call("read_nifti_volume" if kind == "nii" else "read_dicom_volume", path), frame, path)
+    if kind in BY_LIBRARIES:
+        if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
+            raise ArgumentError(f"{path}: the file tells shape, dtype, spacing and corner itself")
+        return _in_frame(call("read_by_library", path, kind), frame, path)
     if kind not in VOLUME_FORMATS:
-        raise ArgumentError(f"{path}: format {kind!r} holds no volume; {', '.join(VOLUME_FORMATS)} do")
+        raise ArgumentError(f"{path}: format {kind!r} is not read; volumes are {', '.join((*VOLUME_FORMATS, 'nii', 'dcm', *BY_LIBRARIES))}")
     options = options_of("read_volume_options")
     if kind == "raw":
         if shape is None or dtype is None:
@@ -267,14 +508,13 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
         data = without_blocks(data, memory_limit)
     held = ffi.from_buffer(data)
     volume = ffi.gc(ffi.new("bvx_volume *"), lib.bvxpy_free_volume)
-    with Run(threads, memory_limit, progress) as run:
-        beside = _data_files(run, held, path) if kind in ("nrrd", "nhdr") else None
-        if beside is not None:
-            options.data = ffi.from_buffer(beside)
-            options.data_size = len(beside)
-        options.inflate = lib.bvxpy_inflate
-        number = lib.BVX_FORMAT_NRRD if kind == "nhdr" else getattr(lib, f"BVX_FORMAT_{kind.upper()}")
-        run.check(lib.bvx_read_volume(run.context, held, len(held), number, options, volume))
+    beside: bytes | None = None
+    try:
+        beside = _fill(volume, held, path, kind, options, threads, memory_limit, progress)
+    except UnsupportedError:
+        if kind not in ("nrrd", "nhdr") or importlib.util.find_spec("SimpleITK") is None:
+            raise
+        return _in_frame(call("read_by_library", path, kind), frame, path)  # axes that are turned, bzip2 and the like
     view = volume.view
     code = next(c for c in _TYPES if _type_number(c) == view.sample_type)
     size = tuple(view.size)
@@ -286,4 +526,39 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
         raise ArgumentError(f"{path}: the file tells its lattice itself")
     lattice = Lattice._of(view.lattice) if spacing is None and corner is None else Lattice(size, 1.0 if spacing is None else spacing,
                                                                                         corner or (0.0, 0.0, 0.0))
-    return Volume(array, lattice=lattice)
+    return _in_frame(Volume(array, lattice=lattice, frame=_frame_told(data) if kind in ("nrrd", "nhdr") else None), frame, path)
+
+
+def _fill(volume: Any, held: Any, path: str, kind: str, options: Any, threads: Any, memory_limit: Any, progress: Progress) -> bytes | None:
+    """Read a volume by the library; the bytes of the data files, which it may look at."""
+    with Run(threads, memory_limit, progress) as run:
+        beside = _data_files(run, held, path) if kind in ("nrrd", "nhdr") else None
+        if beside is not None:
+            options.data = ffi.from_buffer(beside)
+            options.data_size = len(beside)
+        options.inflate = lib.bvxpy_inflate
+        format_number = lib.BVX_FORMAT_NRRD if kind == "nhdr" else getattr(lib, f"BVX_FORMAT_{kind.upper()}")
+        run.check(lib.bvx_read_volume(run.context, held, len(held), format_number, options, volume))
+    return beside
+
+
+def _frame_told(data: Any) -> str | None:
+    """What an NRRD's head says of its space."""
+    head = bytes(data[: 1 << 16]).split(b"\n\n", 1)[0]
+    said = re.search(rb"^space:\s*(\S+)", head, flags=re.M)
+    names = {b"left-posterior-superior": "lps", b"lps": "lps", b"right-anterior-superior": "ras", b"ras": "ras"}
+    return names.get(said[1].lower()) if said else None
+
+
+def _in_frame(volume: Volume, frame: str | None, path: str) -> Volume:
+    if frame_of(frame) is None:
+        return volume
+    if volume.frame is None:
+        raise ArgumentError(f"{path}: the file does not say what its axes are, so it cannot be turned to {frame!r}")
+    return volume.turned(str(frame))
+
+
+def volume_of_bits(grid: Grid) -> Volume:
+    """A grid's voxels as samples of 0 and 1."""
+    np = arrays.numpy("Volume")
+    return Volume(grid.to_numpy().view(np.uint8), spacing=grid.spacing, center0=grid.center0)

@@ -10,10 +10,10 @@ from typing import Any
 import pyvista
 
 from . import _levels, _stages
-from ._errors import ArgumentError
 from ._field import field as measure
 from ._grid import Grid
 from ._octree import refine
+from ._volume import Volume
 
 
 class MeshAccessor:
@@ -59,21 +59,15 @@ class ImageAccessor:
         self._dataset = dataset
 
     def grid(self, scalars: str | None = None, *, threshold: float | None = None) -> Grid:
-        """A `bitvox.Grid` of cell data, or of point data: then voxels lie about the points."""
-        data, where = self._dataset, "cell"
-        if scalars is None:
-            scalars = data.active_scalars_name
-        if scalars in data.cell_data:
-            values, sides, corner = data.cell_data[scalars], [n - 1 for n in data.dimensions], data.origin
-        elif scalars in data.point_data:
-            where, values, sides = "point", data.point_data[scalars], list(data.dimensions)
-            corner = [o - 0.5 * s for o, s in zip(data.origin, data.spacing)]
-        else:
-            raise ArgumentError(f"the image has no cell or point data named {scalars!r}")
-        if values.ndim != 1 or min(sides) < 1:
-            raise ArgumentError(f"the {where} data {scalars!r} are no volume of single numbers")
-        zyx = values.reshape(sides[::-1])
-        return Grid.from_numpy(zyx if threshold is None else zyx > threshold, order="zyx", spacing=data.spacing, corner=corner)
+        """A `bitvox.Grid` of cell data, or of point data: then voxels lie about the points. Directions are kept: flipped and permuted axes
+        are turned, of oblique ones the nearest samples are taken."""
+        volume = self.volume(scalars).aligned(method="nearest", outside=0)
+        array = volume.array
+        return Grid.from_numpy(array if threshold is None else array > threshold, lattice=volume.lattice)
+
+    def volume(self, scalars: str | None = None) -> Volume:
+        """A `bitvox.Volume` of point or cell data, with the image's directions; ``scalars``: which. For ``.surface(level)``."""
+        return Volume.of(self._dataset, scalars=scalars)
 
     def surface(self, scalars: str | None = None, *, threshold: float | None = None, **options: Any) -> Any:
         """The closed surface as PolyData; options as for `bitvox.surface`."""

@@ -31,6 +31,8 @@ def read_dicom(source: Any, *, threshold: Any = None, labels: Any = None, series
         labels: values that are set. Without either, all values other than 0.
     """
     volume = read_dicom_volume(source, series=series)
+    if (volume.direction != arrays.numpy("DICOM").eye(3)).any():
+        raise UnsupportedError("slices lie oblique to the patient's axes; take read_dicom_volume(...).aligned().threshold(...)")
     return Grid.from_numpy(choose(volume.array, threshold, labels), lattice=volume.lattice)
 
 
@@ -44,7 +46,7 @@ def read_dicom_volume(source: Any, *, series: str | None = None) -> Volume:
 
     Raises:
         FormatError: slices that do not belong together, are missing or not evenly spaced.
-        UnsupportedError: slices that lie oblique to the patient's axes.
+        UnsupportedError: slices that are shifted against each other. What lies oblique keeps its ``direction``.
     """
     np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
     slices = []
@@ -94,16 +96,17 @@ def _placed(values: Any, axes: Sequence[tuple[Any, float]], center: Any) -> Volu
     """Turn [slice, row, column] so that axes run along +x, +y, +z of the patient."""
     np = arrays.numpy("DICOM")
     order, spacing = [-1, -1, -1], [0.0, 0.0, 0.0]
+    if any(abs(np.abs(direction).max() - 1.0) > 1e-4 for direction, _ in axes):  # oblique: as it lies
+        turn, steps = np.stack([direction for direction, _ in axes[::-1]], axis=1), [step for _, step in axes[::-1]]
+        return Volume(values, order="zyx", spacing=steps, center0=center, direction=turn, frame="lps")
     for i, (direction, step) in enumerate(axes):
         axis = int(np.abs(direction).argmax())
-        if abs(abs(direction[axis]) - 1.0) > 1e-4:
-            raise UnsupportedError("slices lie oblique to the patient's axes; resample the series first")
         order[axis], spacing[axis] = i, step
         if direction[axis] < 0:
             values = np.flip(values, i)
             center = center + direction * step * (values.shape[i] - 1)
     corner = [c - 0.5 * s for c, s in zip(center, spacing)]
-    return Volume(values.transpose(order), spacing=spacing, corner=corner)
+    return Volume(values.transpose(order), spacing=spacing, corner=corner, frame="lps")
 
 
 def is_picture(path: str | os.PathLike[str]) -> bool:

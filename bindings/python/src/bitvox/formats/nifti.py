@@ -7,35 +7,38 @@ from typing import Any
 
 from .. import _arrays as arrays
 from .._errors import UnsupportedError, need
+from .._foreign import placed_by
 from .._grid import Grid
 from .._volume import Volume
 from ._values import choose
 
 
 def read_nifti_volume(path: str | os.PathLike[str], *, index: int | None = None) -> Volume:
-    """The samples of a NIfTI volume, in the file's world (usually millimetres, x to the right, y forward, z up).
+    """The samples of a NIfTI volume, in the file's world (millimetres, x to the right, y forward, z up: the frame "ras"), with the axes
+    nearest to the world's first; what lies oblique to them keeps its ``direction``.
 
     Args:
         path: .nii or .nii.gz.
         index: which volume of a series of them.
 
     Raises:
-        UnsupportedError: axes that are turned against the world's by other than right angles.
+        UnsupportedError: a series of volumes, without an index.
     """
     np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
     image = nibabel.as_closest_canonical(nibabel.load(os.fspath(path)))
     affine = np.asarray(image.affine, float)
     turn = affine[:3, :3]
     spacing = np.diag(turn).copy()
-    if not (np.abs(turn - np.diag(spacing)) <= 1e-6 * np.abs(spacing).max()).all() or (spacing <= 0).any():
-        raise UnsupportedError(f"{os.fspath(path)}: its axes are oblique to the world's; resample it first (nibabel.processing)")
+    oblique = not (np.abs(turn - np.diag(spacing)) <= 1e-6 * np.abs(spacing).max()).all() or (spacing <= 0).any()
     values = np.asanyarray(image.dataobj)
     values = values if values.ndim < 4 or index is None else values[..., index]
     while values.ndim > 3 and values.shape[-1] == 1:
         values = values[..., 0]
     if values.ndim != 3:
         raise UnsupportedError(f"{os.fspath(path)} has shape {values.shape}; give index for one of its volumes")
-    return Volume(values, spacing=spacing, corner=affine[:3, 3] - 0.5 * spacing)
+    if oblique:
+        return Volume(values, **placed_by(affine), frame="ras")
+    return Volume(values, spacing=spacing, corner=affine[:3, 3] - 0.5 * spacing, frame="ras")
 
 
 def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: Any = None, index: int | None = None) -> Grid:
@@ -47,7 +50,14 @@ def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: A
             Without either, all values other than 0.
     """
     volume = read_nifti_volume(path, index=index)
+    if (volume.direction != np_eye()).any():
+        raise UnsupportedError(f"{os.fspath(path)}: its axes are oblique to the world's; take read_nifti_volume(path).aligned().threshold(...)")
     return Grid.from_numpy(choose(volume.array, threshold, labels), lattice=volume.lattice)
+
+
+def np_eye() -> Any:
+    """Directions along the world's axes."""
+    return arrays.numpy("NIfTI").eye(3)
 
 
 def write_nifti(grid: Grid, path: str | os.PathLike[str]) -> None:

@@ -1,0 +1,253 @@
+"""Volumes of other libraries: values, places and directions beside SimpleITK's, in 27 orientations, and files written back."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+import bitvox
+
+AXES = [np.eye(3)[:, list(p)] * s for p in itertools.permutations(range(3)) for s in itertools.product((1, -1), repeat=3)]
+
+
+def rotated(seed):
+    q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    return q * np.sign(np.diag(r))
+
+
+TURNS = [AXES[i] for i in (0, 1, 2, 3, 5, 7, 8, 11, 13, 16, 18, 20, 23, 25, 30, 34, 38, 41, 44, 47)] + [rotated(i) for i in range(7)]
+VALUES = np.random.default_rng(1).integers(-500, 1500, (5, 6, 7)).astype(np.int16)  # [z, y, x]
+SPACING, ORIGIN = (0.5, 1.25, 3.0), (-11.5, 28.25, 36.0)
+PLACES = np.array([[0, 0, 0], [6, 0, 0], [0, 5, 0], [0, 0, 4], [3, 2, 1], [6, 5, 4]])
+
+
+@pytest.fixture(params=range(len(TURNS)), ids=lambda i: f"turn{i}")
+def turn(request):
+    return TURNS[request.param]
+
+
+def simpleitk(turn, values=VALUES):
+    sitk = pytest.importorskip("SimpleITK")
+    image = sitk.GetImageFromArray(values)
+    image.SetSpacing(SPACING)
+    image.SetOrigin(ORIGIN)
+    image.SetDirection(np.asarray(turn).ravel().tolist())
+    return image
+
+
+def same_place(volume, image, tolerance=1e-12):
+    """Voxel by voxel where SimpleITK says that it is."""
+    wanted = np.array([image.TransformIndexToPhysicalPoint([int(i) for i in ijk]) for ijk in PLACES])
+    assert np.abs(volume.to_world(PLACES) - wanted).max() <= tolerance * 100
+    assert np.allclose(volume.spacing, image.GetSpacing(), rtol=1e-7) and np.allclose(volume.center0, image.GetOrigin(), rtol=1e-6, atol=tolerance)
+    assert np.allclose(volume.direction.ravel(), image.GetDirection(), atol=max(1e-12, tolerance))
+
+
+def test_simpleitk(turn):
+    image = simpleitk(turn)
+    volume = bitvox.Volume.of(image)
+    same_place(volume, image)
+    assert np.array_equal(volume.to_numpy("zyx"), VALUES) and volume.frame == "lps" and volume.array.dtype == np.int16
+    assert volume[6, 5, 4] == image[6, 5, 4]
+    corners = np.array([image.TransformContinuousIndexToPhysicalPoint([a, b, c]) for a in (-0.5, 6.5) for b in (-0.5, 5.5) for c in (-0.5, 4.5)])
+    assert np.allclose(volume.bounds, (corners.min(0), corners.max(0)))
+
+
+@pytest.mark.parametrize("ending", ["nrrd", "mha", "nii", "nii.gz", "mha.gz"])
+def test_files_written_are_read_by_simpleitk(turn, ending, tmp_path):
+    sitk = pytest.importorskip("SimpleITK")
+    if ending.startswith("nii"):
+        pytest.importorskip("nibabel")
+    image = simpleitk(turn)
+    volume = bitvox.Volume.of(image)
+    volume.save(tmp_path / f"a.{ending}")
+    if ending == "mha.gz":
+        return  # SimpleITK does not unpack it
+    if ending.startswith("nii") and np.linalg.det(turn) < 0:
+        pass  # SimpleITK reads the matrix of the sform, mirrored ones too
+    back = sitk.ReadImage(str(tmp_path / f"a.{ending}"))
+    rounding = 1e-12 if ending in ("nrrd", "mha") else 2e-6  # NIfTI holds float32
+    same_place(volume, back, rounding * 50 if ending.startswith("nii") else rounding)
+    assert np.array_equal(sitk.GetArrayFromImage(back), VALUES)
+
+
+@pytest.mark.parametrize("ending", ["nrrd", "mha", "nii.gz", "mhd"])
+def test_files_of_simpleitk_are_read(turn, ending, tmp_path):
+    sitk = pytest.importorskip("SimpleITK")
+    image = simpleitk(turn)
+    sitk.WriteImage(image, str(tmp_path / f"a.{ending}"))
+    volume = bitvox.read_volume(tmp_path / f"a.{ending}", frame="lps")
+    if ending != "nii.gz":
+        same_place(volume, image)
+        assert np.array_equal(volume.to_numpy("zyx"), VALUES)
+    for ijk in PLACES:  # NIfTI's axes are turned to those nearest the world's; each sample lies where SimpleITK has it
+        at = volume.to_world(np.stack(np.meshgrid(*map(np.arange, volume.shape), indexing="ij"), -1).reshape(-1, 3))
+        nearest = np.abs(at - image.TransformIndexToPhysicalPoint([int(i) for i in ijk])).max(axis=1)
+        assert nearest.min() < 1e-3 and np.asarray(volume).reshape(-1)[nearest.argmin()] == image[[int(i) for i in ijk]]
+
+
+def test_one_image_lies_at_one_place_in_every_format(tmp_path):
+    sitk = pytest.importorskip("SimpleITK")
+    pytest.importorskip("nibabel")
+    image = simpleitk(np.eye(3))
+    found = {}
+    for ending in ("nrrd", "nii.gz", "mha"):
+        sitk.WriteImage(image, str(tmp_path / f"a.{ending}"))
+        found[ending] = [np.round(bitvox.read_volume(tmp_path / f"a.{ending}", frame=frame).bounds, 4).tolist() for frame in ("lps", "ras")]
+    assert found["nrrd"] == found["nii.gz"] == found["mha"] and found["mha"][0] != found["mha"][1]
+    assert [bitvox.read_volume(tmp_path / f"a.{e}").frame for e in found] == ["lps", "ras", "lps"]
+
+
+def test_surfaces_come_out_in_the_world(turn):
+    x, y, z = np.meshgrid(*(np.arange(n) for n in (16, 14, 12)), indexing="ij")
+    ball = 5.0 - np.sqrt((x - 7.5) ** 2 + (y - 6.5) ** 2 + (z - 5.5) ** 2)
+    volume = bitvox.Volume(ball, spacing=(0.5, 0.5, 0.5), center0=ORIGIN, direction=turn)
+    mesh = volume.surface(0.0)
+    found = mesh.check()
+    middle = volume.to_world([[7.5, 6.5, 5.5]])[0]
+    assert found.closed and found.oriented and found.volume == pytest.approx(4 / 3 * np.pi * 2.5**3, rel=0.03)  # outwards, mirrored or not
+    distance = np.linalg.norm(mesh.in_world() - middle, axis=1)
+    assert 2.4 < distance.min() and distance.max() < 2.51
+    local = volume.surface(0.0, local_frame=True)
+    assert np.allclose(local.in_world(), mesh.in_world(), atol=1e-6) and volume.surface(0.0, triangles=300).check().volume > 0
+
+
+def test_aligned(turn):
+    volume = bitvox.Volume(VALUES, order="zyx", spacing=SPACING, center0=ORIGIN, direction=turn, frame="lps")
+    made = volume.aligned(method="nearest")
+    assert (made.direction == np.eye(3)).all() and made.frame == "lps"
+    if (np.abs(turn).max(axis=0) == 1).all():
+        assert np.shares_memory(made.array, volume.array) and sorted(made.shape) == sorted(volume.shape)
+        at = made.to_world(np.stack(np.meshgrid(*map(np.arange, made.shape), indexing="ij"), -1).reshape(-1, 3))
+        own = volume.to_world(np.stack(np.meshgrid(*map(np.arange, volume.shape), indexing="ij"), -1).reshape(-1, 3))
+        both = [points[np.lexsort(points.round(6).T)] for points in (at, own)]
+        assert np.allclose(*both) and np.array_equal(made.array.reshape(-1)[np.lexsort(at.round(6).T)], volume.array.reshape(-1)[np.lexsort(own.round(6).T)])
+        grid = volume.threshold(500)
+        assert grid.count == (VALUES >= 500).sum() and np.allclose(grid.center0, made.center0)
+    else:
+        with pytest.raises(bitvox.ArgumentError, match="aligned"):
+            volume.threshold(500)
+        assert set(np.unique(made.array)) <= set(np.unique(VALUES))
+        assert np.all(np.array(made.bounds[0]) <= np.array(volume.bounds[0]) + 1e-9) and np.all(np.array(made.bounds[1]) >= np.array(volume.bounds[1]) - 1e-9)
+
+
+def test_resampling_is_simpleitks():
+    sitk = pytest.importorskip("SimpleITK")
+    for turn in TURNS[-3:]:
+        image = simpleitk(turn, VALUES.astype(np.float64))
+        made = bitvox.Volume.of(image).aligned(spacing=0.75, outside=-999)
+        grid = sitk.Image(*made.shape, sitk.sitkFloat64)
+        grid.SetSpacing(made.spacing)
+        grid.SetOrigin(made.center0)
+        theirs = sitk.GetArrayFromImage(sitk.Resample(image, grid, sitk.Transform(), sitk.sitkLinear, -999.0))
+        mine = made.to_numpy("zyx")
+        both = (theirs != -999) & (mine != -999)
+        assert both.sum() > 0.97 * max((theirs != -999).sum(), (mine != -999).sum()) and np.abs(mine - theirs)[both].max() < 1e-6 * 1500
+
+
+def test_nibabel(turn):
+    nibabel = pytest.importorskip("nibabel")
+    affine = np.eye(4)
+    affine[:3, :3], affine[:3, 3] = turn * np.array(SPACING), ORIGIN
+    image = nibabel.Nifti1Image(VALUES.transpose(2, 1, 0), affine)
+    volume = bitvox.Volume.of(image)
+    assert np.allclose(volume.to_world(PLACES), nibabel.affines.apply_affine(affine, PLACES), atol=1e-9) and volume.frame == "ras"
+    turned = bitvox.Volume.of(image, frame="lps")
+    assert np.allclose(turned.to_world(PLACES), nibabel.affines.apply_affine(affine, PLACES) * [-1, -1, 1], atol=1e-9)
+    assert turned.turned("ras") == volume and np.array_equal(volume.array, VALUES.transpose(2, 1, 0))
+
+
+def test_pyvista(turn):
+    pyvista = pytest.importorskip("pyvista")
+    image = pyvista.ImageData(dimensions=VALUES.shape[::-1], spacing=SPACING, origin=ORIGIN)
+    if not hasattr(image, "direction_matrix"):
+        pytest.skip("this PyVista has no direction_matrix")
+    image.direction_matrix = turn
+    image.point_data["values"] = VALUES.ravel()
+    volume = bitvox.Volume.of(image)
+    points = np.asarray(image.points).reshape(*VALUES.shape, 3)
+    assert np.allclose(volume.to_world(PLACES), [points[k, j, i] for i, j, k in PLACES], atol=1e-5) and np.array_equal(volume.to_numpy("zyx"), VALUES)
+    image.cell_data["cells"] = np.arange(image.n_cells)
+    cells = bitvox.Volume.of(image, scalars="cells")
+    assert np.allclose(cells.to_world([[0, 0, 0]])[0], np.asarray(image.cell_centers().points)[0], atol=1e-5)
+    set_one = np.zeros(image.n_points, np.uint8)
+    set_one[100] = 1
+    image.point_data["s"] = set_one
+    grid = image.bitvox.grid("s")
+    where = np.array(grid.center0) + grid.voxels() * np.array(grid.spacing)
+    reach = 1e-4 if (np.abs(turn).max(axis=0) == 1).all() else max(SPACING)
+    assert len(where) >= 1 and np.abs(where - image.points[100]).max() < reach
+
+
+def test_pyvista_reads_what_is_written_by_default(tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    image = pyvista.ImageData(dimensions=(4, 5, 6), spacing=SPACING, origin=ORIGIN)
+    image.point_data["v"] = np.arange(120.0)
+    for ending in ("vti", "vtk"):
+        image.save(tmp_path / f"p.{ending}")
+        volume = bitvox.read_volume(tmp_path / f"p.{ending}")
+        assert np.allclose(volume.center0, ORIGIN) and np.array_equal(volume.to_numpy("zyx").ravel(), np.arange(120.0)), ending
+
+
+def test_xarray_and_zarr(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    at = {"z": 36 + 3.0 * np.arange(5), "y": 28.25 - 1.25 * np.arange(6), "x": -11.5 + 0.5 * np.arange(7)}
+    volume = bitvox.Volume.of(xarray.DataArray(VALUES, coords=at, dims=("z", "y", "x")))
+    assert volume.spacing == SPACING and volume.center0 == ORIGIN and np.allclose(volume.to_world([[6, 5, 4]])[0], (-8.5, 22.0, 48.0))
+    assert np.array_equal(volume.to_numpy("zyx"), VALUES) and (volume.direction == np.diag([1, -1, 1])).all()
+    assert bitvox.Volume.of(xarray.DataArray(VALUES.T, coords=at, dims=("x", "y", "z"))) == volume
+    uneven = xarray.DataArray(VALUES, coords={"z": [0, 1, 2, 3, 5]}, dims=("z", "y", "x"))
+    with pytest.raises(bitvox.UnsupportedError, match="evenly"):
+        bitvox.Volume.of(uneven)
+    zarr = pytest.importorskip("zarr")
+    stored = zarr.open_array(str(tmp_path / "a.zarr"), mode="w", shape=VALUES.shape, dtype=VALUES.dtype, chunks=(2, 3, 4))
+    stored[...] = VALUES
+    found = bitvox.Volume.of(stored, spacing=SPACING, center0=ORIGIN)
+    assert np.array_equal(found.to_numpy("zyx"), VALUES) and np.allclose(found.center0, ORIGIN)
+
+
+def test_centre_in_place_of_the_corner():
+    by_centre = bitvox.Volume(VALUES, order="zyx", spacing=SPACING, center0=ORIGIN)
+    by_corner = bitvox.Volume(VALUES, order="zyx", spacing=SPACING, corner=[o - 0.5 * s for o, s in zip(ORIGIN, SPACING)])
+    assert by_centre == by_corner and by_centre.center0 == ORIGIN and by_centre.corner == by_corner.corner
+    assert by_centre.window(((1, 2, 1), (2, 2, 2))).center0 == tuple(by_centre.to_world([[1, 2, 1]])[0])
+    for wrong, words in (({"corner": (0, 0, 0), "center0": (0, 0, 0)}, "contradict"), ({"direction": np.ones((3, 3))}, "direction"),
+                         ({"direction": [1, 2]}, "direction"), ({"frame": "las"}, "frame"), ({"lattice": by_centre.lattice, "center0": (0, 0, 0)}, "contradicts"),
+                         ({"direction": np.eye(3) * np.nan}, "direction")):
+        with pytest.raises(bitvox.ArgumentError, match=words):
+            bitvox.Volume(VALUES, order="zyx", **wrong)
+    with pytest.raises(bitvox.ArgumentError, match="frame"):
+        by_centre.turned("ras")
+    with pytest.raises(TypeError, match="is not a volume"):
+        bitvox.Volume.of(object())
+
+
+@pytest.mark.parametrize("dtype", ["u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8", ">i2"])
+@pytest.mark.parametrize("ending", ["nrrd", "mha", "nii"])
+def test_every_type_is_written(dtype, ending, tmp_path):
+    sitk = pytest.importorskip("SimpleITK")
+    pytest.importorskip("nibabel")
+    values = np.abs(VALUES % 100).astype(dtype)
+    bitvox.Volume(values, order="zyx", spacing=SPACING, center0=ORIGIN).save(tmp_path / f"a.{ending}")
+    back = sitk.GetArrayFromImage(sitk.ReadImage(str(tmp_path / f"a.{ending}")))
+    assert np.array_equal(back, values) and back.dtype == np.dtype(dtype).newbyteorder("=")
+
+
+def test_grids_are_written_as_masks(tmp_path):
+    sitk = pytest.importorskip("SimpleITK")
+    grid = bitvox.Grid.from_numpy(VALUES > 500, order="zyx", spacing=SPACING, corner=(1, 2, 3))
+    grid.save(tmp_path / "g.mha")
+    image = sitk.ReadImage(str(tmp_path / "g.mha"))
+    assert np.array_equal(sitk.GetArrayFromImage(image) != 0, VALUES > 500) and np.allclose(image.GetOrigin(), grid.center0)
+
+
+@pytest.mark.parametrize("name", ["../secret.raw", "/etc/passwd"])
+def test_samples_of_other_folders_are_refused(name, tmp_path):
+    heads = {"mhd": f"ObjectType = Image\nNDims = 3\nDimSize = 1 1 1\nElementType = MET_UCHAR\nElementDataFile = {name}\n",
+             "nhdr": f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\nspace dimension: 3\nspace directions: (-1,0,0) (0,1,0) (0,0,1)\n"
+                     f"encoding: raw\ndata file: {name}\n"}
+    for ending, head in heads.items():
+        (tmp_path / f"a.{ending}").write_text(head)
+        with pytest.raises((bitvox.FormatError, bitvox.UnsupportedError)) as refused:
+            bitvox.read_volume(tmp_path / f"a.{ending}")
+        assert "only files in its own folder" in str(refused.value) or "turned or mirrored" in str(refused.value)
