@@ -172,7 +172,8 @@ def reports(header: Path) -> str:
         lines += ['    """', ""]
         lines += [f"    {member}: {_annotation(kind, member, sizes, note, classes)}" for kind, member, sizes, note in members]
         lines.append("")
-    lines += ["", "BY_STRUCT: dict[str, Any] = {", *(f'    "{name}": {kind},' for name, kind in classes.items()), "}", "",
+    lines += ["", "BY_STRUCT: dict[str, Any] = {", *(f'    "{name}": {kind},' for name, kind in classes.items()), "}", "", "",
+              "def report_class(struct: str) -> Any:", '    """The class of a struct by its name in C."""', "    return BY_STRUCT[struct]", "", "",
               "__all__ = [", *(f'    "{name}",' for name in sorted(classes.values())), "]", ""]
     return "\n".join(lines)
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import gzip
-import io
 import os
-import tempfile
 from typing import Any
 
+from ._calls import call
 from ._errors import ArgumentError, MemoryLimitError
 
 
@@ -32,19 +30,19 @@ def read_bytes(path: str | os.PathLike[str], limit: int | None = None) -> bytes:
     with open(path, "rb") as file:
         data = within(file)
     packed = data[:2] == b"\x1f\x8b" and os.fspath(path).lower().endswith(".gz")
-    return within(gzip.GzipFile(fileobj=io.BytesIO(data))) if packed else data
+    return within(call("unpacking", data)) if packed else data
 
 
 def write_bytes(path: str | os.PathLike[str], data: Any) -> None:
     """Write a file whole or not at all: under another name beside it, then renamed; .gz is packed."""
     target = os.path.realpath(os.fspath(path))
     if target.lower().endswith(".gz"):
-        data = gzip.compress(data, 6, mtime=0)
+        data = call("packed", data)
     if os.path.exists(target) and not os.path.isfile(target):  # a pipe or a device
         with open(target, "wb") as file:
             file.write(data)
         return
-    handle, beside = tempfile.mkstemp(prefix=".bitvox-", dir=os.path.dirname(target))
+    handle, beside = new_beside(target)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
@@ -53,6 +51,18 @@ def write_bytes(path: str | os.PathLike[str], data: Any) -> None:
     except BaseException:
         os.unlink(beside)
         raise
+
+
+def new_beside(path: str) -> tuple[int, str]:
+    """A new file for this user alone in the folder of ``path``: its handle and its name."""
+    while True:
+        beside = os.path.join(os.path.dirname(path), f".bitvox-{os.urandom(6).hex()}")
+        try:
+            return os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0), 0o600), beside
+        except FileExistsError:
+            continue
+        except FileNotFoundError:
+            raise FileNotFoundError(2, "there is no such folder", os.path.dirname(path)) from None
 
 
 def umask() -> int:

@@ -14,13 +14,17 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 TABLE: dict[str, Callable[..., Any]] = {}
 
-# Calls of parts that need an optional extra, or that few programs need: their module is imported by the first call.
+# Calls of parts that need an optional extra, or that many programs never need: their module is imported by the first call, which keeps
+# `import bitvox` short.
 LATER = {
     "read_other": ".formats.other",
     "read_nifti_volume": ".formats.nifti",
     "read_dicom_volume": ".formats.dicom",
     "read_by_library": ".formats.volumes",
     "volume_bytes": ".formats.volumes",
+    "report_class": ".reports",
+    "unpacking": "._packed",
+    "packed": "._packed",
 }
 
 

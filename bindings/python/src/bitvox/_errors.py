@@ -17,8 +17,8 @@ class Error(Exception):
         index: of the vertex, triangle, level, loop or other element that the message names first; None: it names none.
     """
 
-    code = 0
-    name = "BVX_OK"
+    code: int = 0
+    name: str = "BVX_OK"
     reason: str = "BVX_REASON_UNSPECIFIED"
     index: int | None = None
 
@@ -26,73 +26,85 @@ class Error(Exception):
 class ArgumentError(Error, ValueError):
     """An argument is out of range or contradicts another."""
 
-    code, name = 1, "BVX_ERR_ARGUMENT"
+    code: int = 1
+    name: str = "BVX_ERR_ARGUMENT"
 
 
 class VersionError(Error, RuntimeError):
     """Binding and library do not belong together."""
 
-    code, name = 2, "BVX_ERR_VERSION"
+    code: int = 2
+    name: str = "BVX_ERR_VERSION"
 
 
 class OutOfMemoryError(Error, MemoryError):
     """The machine gave no more memory."""
 
-    code, name = 3, "BVX_ERR_MEMORY"
+    code: int = 3
+    name: str = "BVX_ERR_MEMORY"
 
 
 class MemoryLimitError(Error, MemoryError):
     """The option ``memory_limit`` does not allow it."""
 
-    code, name = 4, "BVX_ERR_BUDGET"
+    code: int = 4
+    name: str = "BVX_ERR_BUDGET"
 
 
 class RangeError(Error, ValueError):
     """A coordinate, a vertex number or a size is outside what can be represented; the message names it."""
 
-    code, name = 5, "BVX_ERR_RANGE"
+    code: int = 5
+    name: str = "BVX_ERR_RANGE"
 
 
 class EmptyError(Error, ValueError):
     """The input holds nothing to work on."""
 
-    code, name = 6, "BVX_ERR_EMPTY"
+    code: int = 6
+    name: str = "BVX_ERR_EMPTY"
 
 
 class FormatError(Error, ValueError):
     """A file is damaged or not of the stated format; the message says at which byte or line."""
 
-    code, name = 7, "BVX_ERR_FORMAT"
+    code: int = 7
+    name: str = "BVX_ERR_FORMAT"
 
 
 class UnsupportedError(Error, NotImplementedError):
     """A valid request that this build or this format cannot serve."""
 
-    code, name = 8, "BVX_ERR_UNSUPPORTED"
+    code: int = 8
+    name: str = "BVX_ERR_UNSUPPORTED"
 
 
 class CapacityError(Error, ValueError):
     """An array is too small."""
 
-    code, name = 9, "BVX_ERR_CAPACITY"
+    code: int = 9
+    name: str = "BVX_ERR_CAPACITY"
 
 
 class LatticeError(Error, ValueError):
     """Grids do not share one lattice or window."""
 
-    code, name = 10, "BVX_ERR_LATTICE"
+    code: int = 10
+    name: str = "BVX_ERR_LATTICE"
 
 
 class Cancelled(Error):
     """The progress callable returned False, 0 or another false value that is not None."""
 
-    code, name = 11, "BVX_CANCELLED"
+    code: int = 11
+    name: str = "BVX_CANCELLED"
 
 
 class MissingExtraError(Error, ImportError):
     """A package that this function needs is not installed; the message says how to install it."""
 
-    code, name = 8, "BVX_ERR_UNSUPPORTED"
+    code: int = 8
+    name: str = "BVX_ERR_UNSUPPORTED"
 
 
 BY_CODE: dict[int, type[Error]] = {

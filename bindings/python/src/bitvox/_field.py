@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from typing import Any, Sequence
+from typing import Any, ClassVar, Sequence
 
 from . import _arrays as arrays
 from ._calls import call
@@ -15,6 +15,7 @@ from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, position_type, with_positions
 from ._records import record
 from ._run import FACE_RULES, SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, names_of, options_of
+from ._words import Array, FaceRule, Far, Interpolation, Order, Sign
 
 EDGES = names_of("BVX_EDGE_")
 
@@ -76,22 +77,22 @@ class Field:
         return arrays.array_at(pointer, kind, (n, columns) if columns > 1 else (n,), self._c)
 
     @property
-    def distances(self) -> Any:
+    def distances(self) -> Array:
         """(n,) distances to the closest points, negative inside [world]; read-only, no copy."""
         return self._values(self._c.distances, 1)
 
     @property
-    def vectors(self) -> Any:
+    def vectors(self) -> Array | None:
         """(n, 3) from centres to closest points [world], or None; read-only, no copy."""
         return self._values(self._c.vectors, 3)
 
     @property
-    def triangles(self) -> Any:
+    def triangles(self) -> Array | None:
         """(n,) uint32 closest triangles, or None; read-only, no copy."""
         return self._values(self._c.triangles, 1, "uint32")
 
     @property
-    def features(self) -> Any:
+    def features(self) -> Array | None:
         """(n,) uint8 where on the triangle: 0 inside, 1 2 3 edges, 4 5 6 corners; or None; read-only, no copy."""
         return self._values(self._c.features, 1, "uint8")
 
@@ -109,7 +110,7 @@ class Field:
         number = lib.bvx_field_value(self._c, x, y, z)
         return None if number == 2**64 - 1 else number
 
-    def to_numpy(self, order: str = "xyz", *, vectors: bool = False, far: str = "constant", threads: int | None = None,
+    def to_numpy(self, order: Order = "xyz", *, vectors: bool = False, far: Far = "constant", threads: int | None = None,
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Every centre of the window as float32: ``array[x, y, z]`` or, with order "zyx", ``array[z, y, x]``.
 
@@ -134,8 +135,8 @@ class Field:
     def surface(
         self,
         *,
-        interpolation: str = "tangent",
-        face_rule: str = "separate",
+        interpolation: Interpolation = "tangent",
+        face_rule: FaceRule = "separate",
         sharp: bool = False,
         sharp_angle: float | None = None,
         dtype: Any = None,
@@ -172,7 +173,7 @@ class Field:
         made.report = record(report)
         return made
 
-    def to_pyvista(self, *, vectors: bool = False, far: str = "constant") -> Any:
+    def to_pyvista(self, *, vectors: bool = False, far: Far = "constant") -> Any:
         """A pyvista.ImageData with the cell data "distance" and, with ``vectors``, "vector"; ``far`` as for `to_numpy`."""
         pyvista, band = need("pyvista", "view"), self.band
         image = pyvista.ImageData(dimensions=tuple(n + 1 for n in self.shape), spacing=band.spacing, origin=band.corner)
@@ -202,7 +203,7 @@ class Field:
         return all(a is None and b is None or type(a) is type(b) and (np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b)
                    for a, b in zip(mine, theirs))
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]
 
     def _state(self) -> tuple[Any, ...]:
         c = self._c
@@ -244,7 +245,7 @@ def field(
     padding: int | None = None,
     lattice: Lattice | None = None,
     half_width: float = 3.0,
-    sign: str = "auto",
+    sign: Sign = "auto",
     dtype: Any = "float32",
     vectors: bool = True,
     features: bool = False,

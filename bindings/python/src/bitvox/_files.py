@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import warnings
 from typing import Any, Iterable
 
-from ._bytes import format_of, read_bytes, umask, write_bytes
+from ._bytes import format_of, new_beside, read_bytes, umask, write_bytes
 from ._calls import call, entered
 from ._errors import ArgumentError, UnsupportedError
 from ._field import Field
@@ -272,7 +271,7 @@ class Writer:
         self._end = self._low + (box.size[2] or lattice.shape[2])
         self._at = self._low
         head = self._bytes(lambda run, out: lib.bvx_write_head(run.context, lattice._c, box if window is not None else ffi.NULL, out))
-        handle, self._beside = tempfile.mkstemp(prefix=".bitvox-", dir=os.path.dirname(self._path))
+        handle, self._beside = new_beside(self._path)
         self._file = os.fdopen(handle, "wb")
         self._file.write(head)
 

@@ -9,10 +9,11 @@ from . import _arrays as arrays
 from ._calls import entered
 from ._errors import ArgumentError, UnsupportedError, need
 from ._volume import Volume, from_world
+from ._words import Frame, Order
 
 
 @entered
-def volume_from(source: Any, scalars: str | None, order: str | None, spacing: Any, center0: Any, frame: str | None) -> Volume:
+def volume_from(source: Any, scalars: str | None, order: Order | None, spacing: Any, center0: Any, frame: Frame | None) -> Volume:
     """See `Volume.of`."""
     for looks, take in ((_is_simpleitk, _from_simpleitk), (_is_nibabel, _from_nibabel)):
         if looks(source):
@@ -99,14 +100,15 @@ def _from_xarray(source: Any, order: str | None, spacing: Any, center0: Any) -> 
     if len(source.dims) != 3:
         raise UnsupportedError(f"an array of axes {tuple(source.dims)}; a volume has three: take .isel(...) or .squeeze()")
     names = [str(name) for name in source.dims]
+    named: str = order or "zyx"
     if order is None:
-        order = "".join(names) if sorted(names) == ["x", "y", "z"] else "zyx"
-    if sorted(order) != ["x", "y", "z"]:
-        raise ArgumentError(f"order is {order!r}; it must name x, y and z")
-    array = np.asarray(source.values).transpose([order.index(a) for a in "xyz"])
+        named = "".join(names) if sorted(names) == ["x", "y", "z"] else "zyx"
+    if sorted(named) != ["x", "y", "z"]:
+        raise ArgumentError(f"order is {named!r}; it must name x, y and z")
+    array = np.asarray(source.values).transpose([named.index(a) for a in "xyz"])
     steps, first = [1.0] * 3, [0.0] * 3
     for i, axis in enumerate("xyz"):
-        name = source.dims[order.index(axis)]
+        name = source.dims[named.index(axis)]
         if name in source.coords:
             at = np.asarray(source.coords[name].values, float)
             step = (at[-1] - at[0]) / (len(at) - 1) if len(at) > 1 else 1.0

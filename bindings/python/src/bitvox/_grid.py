@@ -14,8 +14,10 @@ from ._html import shown
 from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
 from ._run import SIDES, Progress, Run, choice, ffi, function, in_range, lib, names_of, options_of, quiet
+from ._words import Array, Beyond, DistanceSide, FloatName, Order, Reduce, Side
 
 if TYPE_CHECKING:
+    from ._mesh import Mesh
     from .reports import Difference, Topology
 
 RULES = names_of("BVX_REDUCE_")
@@ -61,7 +63,7 @@ class Grid:
         return self
 
     @classmethod
-    def from_numpy(cls, array: Any, *, order: str = "xyz", spacing: Any = 1.0, corner: Sequence[float] = (0.0, 0.0, 0.0),
+    def from_numpy(cls, array: Any, *, order: Order = "xyz", spacing: Any = 1.0, corner: Sequence[float] = (0.0, 0.0, 0.0),
                    lattice: Lattice | None = None, low: Sequence[int] | None = None) -> Grid:
         """A grid from a three-dimensional array; values other than 0 are set.
 
@@ -144,7 +146,7 @@ class Grid:
     # ---- its bits ----
 
     @property
-    def words(self) -> Any:
+    def words(self) -> Array:
         """The bits themselves, (z, y, words a row) uint64, read-only, no copy: voxel x is bit ``x % 64`` of word ``x // 64``."""
         return self._words(writable=False)
 
@@ -152,7 +154,7 @@ class Grid:
         shape = (self._c.size[2], self._c.size[1], self._c.words_per_row)
         return arrays.array_at(self._c.words, "uint64", shape, self._c, writable)
 
-    def to_numpy(self, order: str = "xyz") -> Any:
+    def to_numpy(self, order: Order = "xyz") -> Array:
         """A new bool array, one byte a voxel: ``array[x, y, z]``, or with order "zyx" ``array[z, y, x]``.
 
         Both lie in memory with x running fastest.
@@ -202,7 +204,7 @@ class Grid:
     def __iter__(self) -> Any:
         raise TypeError("a Grid has no rows to walk: take to_numpy() or voxels()")
 
-    def voxels(self) -> Any:
+    def voxels(self) -> Array:
         """Indices (n, 3) int64 of the set voxels in the window, in the order of the bits (z, y, x)."""
         np = arrays.numpy("Grid.voxels")
         return np.argwhere(self.to_numpy("zyx"))[:, ::-1]
@@ -286,7 +288,7 @@ class Grid:
 
     # ---- other lattices and windows ----
 
-    def downsample(self, factor: Any, rule: str = "any") -> Grid:
+    def downsample(self, factor: Any, rule: Reduce = "any") -> Grid:
         """Blocks of voxels become voxels.
 
         Args:
@@ -300,7 +302,7 @@ class Grid:
         blocks, number = triple_of(factor), choice("rule", rule, "BVX_REDUCE_", RULES)
         return self._through(lambda run, made: lib.bvx_grid_downsample(run.context, self._c, blocks, number, made))
 
-    def coverage(self, factor: Any) -> Any:
+    def coverage(self, factor: Any) -> Array:
         """How many voxels of each block are set: a new uint32 array ``counts[x, y, z]`` with x running fastest in memory.
 
         Args:
@@ -592,7 +594,7 @@ class Grid:
         """
         return self._morphed(lib.bvx_grid_close, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
 
-    def hollow(self, thickness: float, *, drain: float = 0.0, drain_side: str = "z-low", drain_at: Sequence[float] | None = None,
+    def hollow(self, thickness: float, *, drain: float = 0.0, drain_side: Side = "z-low", drain_at: Sequence[float] | None = None,
                beyond: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """A shell of the body: its outer surface stays, voxels deeper than ``thickness`` become empty.
 
@@ -624,7 +626,7 @@ class Grid:
                           stacklevel=2)
         return Grid._made(made, found)
 
-    def distance(self, side: str = "outside", *, beyond: str = "nothing", dtype: str = "float32", squares: bool = False,
+    def distance(self, side: DistanceSide = "outside", *, beyond: Beyond = "nothing", dtype: FloatName = "float32", squares: bool = False,
                  nearest: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Exact Euclidean distances between centres of voxels, an array ``[x, y, z]`` in memory with x running fastest.
 
@@ -659,9 +661,10 @@ class Grid:
 
     # ---- others ----
 
-    def surface(self, **options: Any) -> Any:
+    def surface(self, **options: Any) -> Mesh:
         """The closed surface; ``options`` are those of `bitvox.surface`."""
-        return call("surface", self, **options)
+        made: Mesh = call("surface", self, **options)
+        return made
 
     def to_pyvista(self) -> Any:
         """A pyvista.ImageData with the cell data "set" (uint8)."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-from html import escape
 from typing import Any
 
 
@@ -15,6 +14,11 @@ def shown(thing: Any, facts: dict[str, Any], png: bytes | None = None) -> str:
         return table
     picture = base64.b64encode(png).decode("ascii")
     return f"<div style='display:flex;gap:1em;align-items:center'>{table}<img alt='' src='data:image/png;base64,{picture}'></div>"
+
+
+def escape(text: str) -> str:
+    """Text for HTML."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
 
 
 def _plain(value: Any) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import struct
 import zlib
-from typing import Any, Sequence
+from typing import Any, ClassVar, Sequence
 
 from . import _arrays as arrays
 from ._bytes import write_bytes
@@ -15,6 +15,7 @@ from ._grid import Grid
 from ._html import shown
 from ._mesh import Mesh
 from ._run import Progress, Run, ffi, in_range, lib, options_of
+from ._words import Array
 
 
 class Image:
@@ -31,7 +32,7 @@ class Image:
         return (self._c.width, self._c.height)
 
     @property
-    def pixels(self) -> Any:
+    def pixels(self) -> Array:
         """(height, width, 3) uint8: red, green, blue, top row first; read-only, no copy."""
         return arrays.array_at(self._c.pixels, "uint8", (self._c.height, self._c.width, 3), self._c)
 
@@ -63,7 +64,7 @@ class Image:
     def __eq__(self, other: object) -> bool:
         return self.size == other.size and bytes(self.pixels) == bytes(other.pixels) if isinstance(other, Image) else NotImplemented
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]
 
     def __reduce__(self) -> Any:
         return _image_from, (*self.size, bytes(self.pixels))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Sequence, Union
+from typing import TYPE_CHECKING, Any, List, Sequence, Union
 
 from . import _arrays as arrays
 from ._calls import entered
@@ -14,6 +14,7 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, lib, names_of, options_of
 from ._stages import carried, grid_of, surface, voxelize
+from ._words import ErrorKind, FaceRule, Fill, MadeFrom, Method, Open, OpenInput, RepairSign
 
 if TYPE_CHECKING:
     from .reports import LevelsReport
@@ -29,7 +30,7 @@ HALVINGS, FEWEST = 4, 20  # levels by halving where none are asked for, and tria
 Distance = Union[float, str]
 
 
-class Levels(list):
+class Levels(List[Mesh]):
     """The meshes of `lod`, finest first as they were asked for: a list.
 
     Attributes:
@@ -94,7 +95,7 @@ def _falls(values: list[Any], name: str, rising: bool) -> None:
 class _Targets:
     """Which levels are wanted; owns the array that options point at."""
 
-    def __init__(self, options: Any, mesh: Mesh, triangles: Any, error: Any, error_kind: str | None, count: int | None) -> None:
+    def __init__(self, options: Any, mesh: Mesh, triangles: Any, error: Any, error_kind: ErrorKind | None, count: int | None) -> None:
         given = {"triangles": triangles, "error": error, "count": count}
         named = [name for name, value in given.items() if value is not None]
         if len(named) > 1:
@@ -158,11 +159,11 @@ def simplify(
     *,
     triangles: int | Sequence[int] | None = None,
     error: Distance | Sequence[Distance] | None = None,
-    error_kind: str | None = None,
+    error_kind: ErrorKind | None = None,
     count: int | None = None,
     even: float | None = None,
     colour_weight: float = 0.0,
-    open: str | None = None,
+    open: OpenInput | None = None,
     strict: bool = False,
     samples: int | None = None,
     carry: bool = False,
@@ -283,14 +284,14 @@ def lod(
     *,
     triangles: int | Sequence[int] | None = None,
     error: Distance | Sequence[Distance] | None = None,
-    error_kind: str | None = None,
+    error_kind: ErrorKind | None = None,
     count: int | None = None,
-    method: str | None = None,
-    made_from: str | None = None,
-    open: str | None = None,
+    method: Method | None = None,
+    made_from: MadeFrom | None = None,
+    open: Open | None = None,
     resolution: Any = None,
     lattice: Lattice | None = None,
-    sign: str | None = None,
+    sign: RepairSign | None = None,
     sharp: bool | None = None,
     outer_hull: bool = False,
     shell: float | None = None,
@@ -304,10 +305,10 @@ def lod(
     threshold: float | None = None,
     edge_samples: int | None = None,
     collapse: float | None = None,
-    fill: str | None = None,
+    fill: Fill | None = None,
     close_gaps: int | None = None,
     padding: int | None = None,
-    face_rule: str | None = None,
+    face_rule: FaceRule | None = None,
     local_frame: bool = False,
     carry: bool = False,
     dtype: Any = None,
@@ -374,7 +375,7 @@ def lod(
                    "least_cavity": least_cavity, "even": even, "colour_weight": colour_weight or None, "strict": strict or None, "samples": samples}
     of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
                  "close_gaps": close_gaps, "padding": padding, "face_rule": face_rule, "local_frame": local_frame or None}
-    asked = {name: value for name, value in of_voxels.items() if value is not None}
+    asked: dict[str, Any] = {name: value for name, value in of_voxels.items() if value is not None}
     other = [name for name, value in of_collapse.items() if value is not None]
     if getattr(source, "ndim", 0) == 3 and tuple(source.shape[1:]) == (3, 3):
         raise ArgumentError(f"an array of shape {tuple(source.shape)} may be triangles or voxels: give Mesh(array) or Grid.from_numpy(array)")
@@ -418,7 +419,7 @@ def lod(
     return result
 
 
-def _method(method: str | None, of_voxels: dict[str, Any], of_collapse: list[str], is_grid: bool) -> str:
+def _method(method: Method | None, of_voxels: dict[str, Any], of_collapse: list[str], is_grid: bool) -> str:
     """The method that was asked for, or that the other options ask for."""
     if method is not None:
         if not isinstance(method, str):
@@ -445,7 +446,7 @@ def _method(method: str | None, of_voxels: dict[str, Any], of_collapse: list[str
 
 def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolution: Any, carry: bool, dtype: Any, limits: dict[str, Any], *,
                  levels: Any = None, threshold: float = 0.5, edge_samples: int | None = None, collapse: float | None = None,
-                 fill: str | None = None, close_gaps: int | None = None, padding: int | None = None, face_rule: str = "separate",
+                 fill: Fill | None = None, close_gaps: int | None = None, padding: int | None = None, face_rule: FaceRule = "separate",
                  local_frame: bool = False) -> Levels:
     if levels is not None and triangles is not None:
         raise ArgumentError("levels and triangles contradict each other; give one of them")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from array import array as plain_array
-from typing import TYPE_CHECKING, Any, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Sequence
 
 from . import _arrays as arrays
 from ._calls import call, entered
@@ -12,6 +12,7 @@ from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
 from ._run import Progress, Run, ffi, lib, number_of, quiet
+from ._words import Array, ErrorKind, OpenInput
 
 if TYPE_CHECKING:
     from .reports import Certificate, WriteReport
@@ -63,14 +64,15 @@ class Mesh:
             self._faces = None
         else:
             self._faces = arrays.faces_in(faces, len(self._vertices))
-        self._colours = arrays.colours_in(colours, len(self._vertices))
-        self._uvs = self._uv_faces = None
+        self._colours: Any = arrays.colours_in(colours, len(self._vertices))
+        self._uvs: Any = None
+        self._uv_faces: Any = None
         if uvs is not None:
             self._set_uvs(uvs, uv_faces)
         elif uv_faces is not None:
             raise ArgumentError("uv_faces are given without uvs")
         self._keys: tuple[Any, Any] | None = None
-        self.frame = arrays.triple("frame", frame)
+        self.frame: tuple[float, float, float] = arrays.triple("frame", frame)
         self.report: Any = None
 
     def _set_uvs(self, uvs: Any, uv_faces: Any) -> None:
@@ -124,12 +126,12 @@ class Mesh:
     # ---- what it holds ----
 
     @property
-    def vertices(self) -> Any:
+    def vertices(self) -> Array:
         """(n, 3) float32 or float64 [world, less `frame`]; a memoryview of that shape without numpy."""
         return self._vertices
 
     @property
-    def faces(self) -> Any:
+    def faces(self) -> Array:
         """(m, 3) vertex numbers, uint32 where the library made them."""
         if self._faces is None:
             np = arrays.numpy("numbering vertices")
@@ -137,17 +139,17 @@ class Mesh:
         return self._faces
 
     @property
-    def colours(self) -> Any:
+    def colours(self) -> Array | None:
         """(n, 4) uint8 red, green, blue, alpha, or None."""
         return self._colours
 
     @property
-    def uvs(self) -> Any:
+    def uvs(self) -> Array | None:
         """(k, 2) float32 texture coordinates, or None."""
         return self._uvs
 
     @property
-    def uv_faces(self) -> Any:
+    def uv_faces(self) -> Array | None:
         """(m, 3) uint32 numbers into `uvs`, or None: each vertex has the coordinates of its own number."""
         return self._uv_faces
 
@@ -214,7 +216,7 @@ class Mesh:
             mesh, dropped = other._struct(run), ffi.new("uint64_t *")
             run.check(lib.bvx_mesh_drop_nonfinite(run.context, mesh, dropped))
             n, m = mesh.vertex_count, mesh.triangle_count
-        other._vertices, other._faces = other._vertices[:n], other._faces[:m]
+        other._vertices, other._faces = other._vertices[:n], other.faces[:m]
         if other._colours is not None:
             other._colours = other._colours[:n]
         if other._uv_faces is not None:
@@ -248,7 +250,8 @@ class Mesh:
         np = arrays.numpy_or_none()
         keep = []
         mesh = ffi.new("bvx_mesh *")
-        positions, faces = self._vertices, self.faces
+        positions: Any = self._vertices
+        faces: Any = self.faces
         if np is not None:
             positions = np.ascontiguousarray(positions)
             arrays.refuse_negative(faces)
@@ -284,17 +287,18 @@ class Mesh:
     # ---- questions ----
 
     @property
-    def bounds(self) -> Any:
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Low and high corner of the vertices: ((x, y, z), (x, y, z)) [world]."""
         if not len(self._vertices):
-            return ((0.0,) * 3, (0.0,) * 3)
+            return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         np = arrays.numpy_or_none()
         if np is not None:
             low, high = self._vertices.min(axis=0), self._vertices.max(axis=0)
         else:
             rows = self._vertices.tolist()
             low, high = [min(r[i] for r in rows) for i in range(3)], [max(r[i] for r in rows) for i in range(3)]
-        return (tuple(float(x) + f for x, f in zip(low, self.frame)), tuple(float(x) + f for x, f in zip(high, self.frame)))
+        (a, b, c), (d, e, f), (x, y, z) = map(float, low), map(float, high), self.frame
+        return (a + x, b + y, c + z), (d + x, e + y, f + z)
 
     def check(self, *, weld: bool = False, threads: int | None = None, memory_limit: int | None = None,
               progress: Progress = None) -> Certificate:
@@ -363,8 +367,8 @@ class Mesh:
         return vertices, facets
 
     def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
-                 error_kind: str | None = None, count: int | None = None, even: float | None = None, colour_weight: float = 0.0,
-                 open: str | None = None, strict: bool = False,
+                 error_kind: ErrorKind | None = None, count: int | None = None, even: float | None = None, colour_weight: float = 0.0,
+                 open: OpenInput | None = None, strict: bool = False,
                  samples: int | None = None, carry: bool = False, dtype: Any = None, threads: int | None = None,
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Fewer triangles for a manifold mesh, closed or with borders, by collapsing the edges that cost least.
@@ -395,7 +399,7 @@ class Mesh:
             return self._vertices == other._vertices and self._faces == other._faces
         return bool(np.array_equal(self._vertices, other._vertices) and np.array_equal(self.faces, other.faces))
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         return f"Mesh({self.n_vertices} vertices, {self.n_faces} faces)"
@@ -409,13 +413,14 @@ class Mesh:
         return [None if a is None else np.array(a) for a in held], self.frame, self.report
 
     def __setstate__(self, state: Any) -> None:
-        held, self.frame, self.report = state
+        held = state[0]
+        self.frame, self.report = state[1:]
         self._vertices, self._faces, self._colours, self._uvs, self._uv_faces = held[:5]
         self._keys = None if held[5] is None else (held[5], held[6])
 
     # ---- to others ----
 
-    def in_world(self) -> Any:
+    def in_world(self) -> Array:
         """Vertices with the frame added, float64."""
         np = arrays.numpy("in_world")
         return np.asarray(self._vertices, np.float64) + np.asarray(self.frame) if any(self.frame) else np.asarray(self._vertices, np.float64)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Iterable, Union
+from typing import TYPE_CHECKING, Any, ClassVar, Iterable, Union
 
 from . import _arrays as arrays
 from ._calls import TABLE, call
@@ -14,6 +14,7 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._records import record
 from ._run import FACE_RULES, Progress, Run, choice, ffi, in_range, lib, names_of, options_of
+from ._words import Direction, FaceRule
 
 if TYPE_CHECKING:
     from .reports import OctreeLevel
@@ -88,7 +89,7 @@ class Octree:
             run.check(lib.bvx_octree_find(run.context, self._c, ffi.cast("double *", given.pointer), given.count, out))
         return arrays.records_at(out, "bvx_octree_leaf", given.count, out)
 
-    def neighbours(self, leaf: Any, direction: str) -> Any:
+    def neighbours(self, leaf: Any, direction: Direction) -> Any:
         """The leaves that share a face with a ``leaf`` (one record), in the ``direction`` "-x", "-y", "-z", "+x", "+y" or "+z"."""
         if direction not in _DIRECTIONS:
             raise ArgumentError(f"direction is {direction!r}; it must be one of {', '.join(_DIRECTIONS)}")
@@ -144,7 +145,7 @@ class Octree:
             run.check(lib.bvx_octree_expand(run.context, self._c, self._level(level), states_of(states), box, made))
         return Grid._made(made)
 
-    def surface(self, *, states: States = None, dtype: Any = None, face_rule: str = "separate", local_frame: bool = False,
+    def surface(self, *, states: States = None, dtype: Any = None, face_rule: FaceRule = "separate", local_frame: bool = False,
                 keys: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
         """The closed surface of the last level's voxels in a set of states.
 
@@ -167,7 +168,7 @@ class Octree:
     def __eq__(self, other: object) -> bool:
         return bool(call("dumps", self, "bvx") == call("dumps", other, "bvx")) if isinstance(other, Octree) else NotImplemented
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]
 
     def __reduce__(self) -> Any:
         return TABLE["loads"], (call("dumps", self, "bvx"), "bvx")

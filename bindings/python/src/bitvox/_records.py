@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import reports
 from ._arrays import plain
+from ._calls import call
 from ._lattice import Lattice
 from ._run import FILL_REASONS, FILLS, SIGN_RULES, ffi, name_of
 
@@ -17,7 +17,7 @@ def _plain_name(kind: Any) -> str:
 def record(struct: Any) -> Any:
     """A struct's values; what is 0 or 1 becomes a bool, a rule's number its name."""
     kind = ffi.typeof(struct)
-    made = reports.BY_STRUCT[_plain_name(kind.item if kind.kind == "pointer" else kind)]
+    made = call("report_class", _plain_name(kind.item if kind.kind == "pointer" else kind))
     return made(*(_value(field, wanted, getattr(struct, field)) for field, wanted in made.__annotations__.items()))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterable, NamedTuple, Sequence
+from typing import Any, ClassVar, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._calls import call
@@ -14,6 +14,7 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of
 from ._stages import collapsed, level_target, surface
+from ._words import Axis, Caps, Crossings, ErrorKind, Nesting
 
 CAPS = names_of("BVX_CAPS_")
 NESTING = names_of("BVX_NESTING_")
@@ -46,6 +47,8 @@ class Sections:
     """
 
     __slots__ = ("loops", "normal", "positions", "section_of")
+    positions: list[float]
+    section_of: list[int]
 
     def __init__(self, loops: Iterable[Any], normal: Sequence[float] = (0.0, 0.0, 1.0), *, tolerance: float = 1e-6) -> None:
         np = arrays.numpy("Sections")
@@ -151,7 +154,7 @@ class Sections:
         return ((self.normal, self.section_of, self.positions) == (other.normal, other.section_of, other.positions)
                 and all(a.label == b.label and np.array_equal(a.points, b.points) for a, b in zip(self.loops, other.loops)))
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]
 
     def _repr_html_(self) -> str:
         return shown(self, {"planes": len(self.positions), "loops": len(self.loops), "bodies": self.labels, "normal": self.normal})
@@ -203,15 +206,15 @@ def from_sections(
     grid: Sequence[int] | None = None,
     spacing: float | None = None,
     layers: int = 1,
-    caps: str = "flat",
-    nesting: str = "levels",
+    caps: Caps = "flat",
+    nesting: Nesting = "levels",
     mend: bool = False,
-    crossings: str = "exact",
+    crossings: Crossings = "exact",
     subdivide: int | None = None,
     label: str | int | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
-    error_kind: str | None = None,
+    error_kind: ErrorKind | None = None,
     dtype: Any = "float64",
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -287,7 +290,7 @@ def from_sections(
     return mesh
 
 
-def slice_mesh(mesh: Any, *, axis: str | None = None, normal: Sequence[float] | None = None, spacing: float | None = None,
+def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] | None = None, spacing: float | None = None,
                positions: Sequence[float] | None = None, label: int = 1, threads: int | None = None,
                memory_limit: int | None = None, progress: Progress = None) -> Sections:
     """The contours of a closed mesh, or of a grid's surface, on parallel planes: exact.

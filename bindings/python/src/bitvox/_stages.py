@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Iterable, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._calls import call, entered
@@ -14,6 +14,7 @@ from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, new_mesh, with_positions
 from ._records import record
 from ._run import FACE_RULES, FILLS, REPAIR_SIGNS, SIDES, Progress, Rise, Run, choice, ffi, function, in_range, lib, names_of, options_of
+from ._words import Array, Axis, BooleanFill, ErrorKind, FaceRule, Fill, Interpolation, Mode, Operation, RepairSign, Thin, ThinCheck
 
 if TYPE_CHECKING:
     from .reports import Certificate, Difference, Distances, Seed
@@ -32,15 +33,15 @@ def voxelize(
     padding: int = 0,
     lattice: Lattice | None = None,
     window: WindowLike = None,
-    mode: str = "solid",
-    fill: str | None = None,
+    mode: Mode = "solid",
+    fill: Fill | None = None,
     close_gaps: int | None = None,
     add_shell: bool = False,
     check_edges: bool = False,
-    check_thin: str | None = None,
+    check_thin: ThinCheck | None = None,
     base: float | None = None,
     second: Any = None,
-    up: str | None = None,
+    up: Axis | None = None,
     attached: bool = False,
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -223,7 +224,7 @@ def find_pockets(surface: Grid, mesh: Any = None, *, threads: int | None = None,
 def surface(
     grid: Grid,
     *,
-    face_rule: str = "separate",
+    face_rule: FaceRule = "separate",
     dtype: Any = None,
     open_sides: str | Iterable[str] = (),
     keys: bool = False,
@@ -255,7 +256,7 @@ def surface(
                           threads=threads, memory_limit=memory_limit, progress=progress)
 
 
-def surface_counts(grid: Grid, *, face_rule: str = "separate") -> tuple[int, int]:
+def surface_counts(grid: Grid, *, face_rule: FaceRule = "separate") -> tuple[int, int]:
     """Vertices and triangles that `surface` would make of a ``grid`` by a ``face_rule``, without making them."""
     return _counts(lib.bvx_extract_count, grid, "extract_options", lambda o: setattr(
         o, "face_rule", choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)))
@@ -417,7 +418,7 @@ class Closest:
     def __eq__(self, other: object) -> bool:
         return self._mesh == other._mesh if isinstance(other, Closest) else NotImplemented
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]
 
     def _repr_html_(self) -> str:
         return shown(self, {"vertices": self._mesh.n_vertices, "faces": self._mesh.n_faces})
@@ -425,7 +426,7 @@ class Closest:
     def __reduce__(self) -> Any:
         return Closest, (self._mesh,)
 
-    def find(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
+    def find(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Array:
         """The nearest points of the mesh.
 
         Args:
@@ -447,18 +448,18 @@ def repair(
     *,
     resolution: int | None = None,
     lattice: Lattice | None = None,
-    sign: str = "auto",
-    interpolation: str = "tangent",
-    face_rule: str = "separate",
+    sign: RepairSign = "auto",
+    interpolation: Interpolation = "tangent",
+    face_rule: FaceRule = "separate",
     sharp: bool | None = None,
     shell: float | None = None,
-    thin: str = "keep",
+    thin: Thin = "keep",
     least_part: int | None = None,
     least_cavity: int = 0,
     if_needed: bool = False,
     triangles: int | None = None,
     error: float | str | None = None,
-    error_kind: str | None = None,
+    error_kind: ErrorKind | None = None,
     measure: bool = False,
     measure_samples: int | None = None,
     carry: bool = False,
@@ -549,12 +550,12 @@ def repair(
     return made
 
 
-def level_target(triangles: Any, error: Any, error_kind: str | None) -> dict[str, Any]:
+def level_target(triangles: Any, error: Any, error_kind: ErrorKind | None) -> dict[str, Any]:
     """What a result is to be collapsed to, as options of `simplify`; none where it stays as it is."""
     if triangles is not None and error is not None:
         raise ArgumentError("triangles and error contradict each other; give one of them")
     for name, value in {"triangles": triangles, "error": error}.items():
-        if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0):
+        if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0) != 0:
             raise ArgumentError(f"{name} is one number here; Mesh.simplify takes several")
     if error is not None:
         return {"error": error, "error_kind": error_kind}
@@ -573,19 +574,19 @@ def collapsed(made: Mesh, targets: dict[str, Any], limits: dict[str, Any]) -> Me
 def boolean(
     a: Any,
     b: Any,
-    operation: str,
+    operation: Operation,
     *,
     resolution: int | None = None,
     lattice: Lattice | None = None,
-    fill: str = "auto",
-    interpolation: str | None = None,
-    face_rule: str = "separate",
+    fill: BooleanFill = "auto",
+    interpolation: Interpolation | None = None,
+    face_rule: FaceRule = "separate",
     sharp: bool | None = None,
-    thin: str = "keep",
+    thin: Thin = "keep",
     least_part: int | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
-    error_kind: str | None = None,
+    error_kind: ErrorKind | None = None,
     dtype: Any = None,
     local_frame: bool = False,
     threads: int | None = None,

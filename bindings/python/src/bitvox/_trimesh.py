@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.abc
-import importlib.util
+import importlib.machinery
 import sys
 from typing import Any
 
@@ -36,7 +35,7 @@ def register() -> None:
         table["bitvox"] = voxelized
 
 
-class _WhenImported(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+class _WhenImported:
     """Watches for one import of trimesh's voxelizers and registers after it; everything else is left to the other finders."""
 
     name = "trimesh.voxel.creation"
@@ -46,9 +45,10 @@ class _WhenImported(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             return None
         if self in sys.meta_path:
             sys.meta_path.remove(self)
-        spec = importlib.util.find_spec(fullname)
+        spec = importlib.machinery.PathFinder.find_spec(fullname, path)
         if spec is not None and spec.loader is not None:
-            self.loader, spec.loader = spec.loader, self
+            self.loader: Any = spec.loader
+            spec.loader = self  # type: ignore[assignment]
         return spec
 
     def create_module(self, spec: Any) -> Any:
@@ -70,4 +70,4 @@ def register_with_its_import() -> None:
         except Exception:  # trimesh without its own optional parts, or half imported: it works without us
             pass
     elif not any(isinstance(finder, _WhenImported) for finder in sys.meta_path):
-        sys.meta_path.insert(0, _WhenImported())
+        sys.meta_path.insert(0, _WhenImported())  # type: ignore[arg-type]

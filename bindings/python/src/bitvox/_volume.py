@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import re
 import zlib
-from typing import Any, Iterable, Sequence
+from typing import Any, ClassVar, Iterable, Sequence
 
 from . import _arrays as arrays
 from ._bytes import format_of, read_bytes
 from ._calls import call
-from ._errors import ArgumentError, FormatError, UnsupportedError
+from ._errors import ArgumentError, FormatError, MissingExtraError, UnsupportedError
 from ._grid import Grid, new_grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
@@ -20,11 +19,12 @@ from ._records import record
 from ._run import FACE_RULES, SIDES, Progress, Rise, Run, choice, ffi, formats_in, in_range, lib, options_of
 from ._stages import collapsed, level_target
 from ._vti import without_blocks
+from ._words import Array, ErrorKind, FaceRule, Frame, Order, Resampling
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
 BY_LIBRARIES = ("mha", "mhd", "gipl", "hdr", "img", "mgz", "mgh", "tif", "tiff", "vtk", "slc")  # SimpleITK, PyVista
-FRAMES = ("lps", "ras")
+FRAMES: tuple[Frame, ...] = ("lps", "ras")
 VOLUME_FORMATS = (*formats_in(lib.BVX_VOLUMES_READ), "nhdr")
 
 
@@ -52,10 +52,12 @@ class Volume:
     """
 
     __slots__ = ("_array", "_c", "_turn", "frame", "report", "__weakref__")
+    frame: Frame | None
+    report: Any
 
-    def __init__(self, array: Any, *, order: str = "xyz", spacing: Any = 1.0, corner: Sequence[float] | None = None,
+    def __init__(self, array: Any, *, order: Order = "xyz", spacing: Any = 1.0, corner: Sequence[float] | None = None,
                  center0: Sequence[float] | None = None, direction: Any = None, lattice: Lattice | None = None,
-                 low: Sequence[int] | None = None, frame: str | None = None) -> None:
+                 low: Sequence[int] | None = None, frame: Frame | None = None) -> None:
         np = arrays.numpy("Volume")
         found = arrays.as_numpy(array, "array")
         if found.ndim != 3 or 0 in found.shape:
@@ -95,7 +97,7 @@ class Volume:
             own = tuple(c - 0.5 * s for c, s in zip(middle, steps))
         return Lattice(shape, spacing, own)
 
-    def _set(self, array: Any, lattice: Lattice, low: Any, turn: Any = None, frame: str | None = None) -> None:
+    def _set(self, array: Any, lattice: Lattice, low: Any, turn: Any = None, frame: Frame | None = None) -> None:
         self._turn, self.frame = turn, frame
         view = ffi.new("bvx_volume_view *")
         view.samples = arrays.address(array)
@@ -105,13 +107,13 @@ class Volume:
         self._array, self._c, self.report = array, view, None
 
     @property
-    def array(self) -> Any:
+    def array(self) -> Array:
         """The samples as array[x, y, z]; no copy."""
         return self._array
 
     @classmethod
-    def of(cls, source: Any, *, scalars: str | None = None, order: str | None = None, spacing: Any = None, center0: Any = None,
-           frame: str | None = None) -> Volume:
+    def of(cls, source: Any, *, scalars: str | None = None, order: Order | None = None, spacing: Any = None, center0: Any = None,
+           frame: Frame | None = None) -> Volume:
         """A volume of what other libraries hold, with its place and directions; the samples are not copied where that is possible.
 
         Args:
@@ -128,7 +130,7 @@ class Volume:
         return made
 
     @property
-    def direction(self) -> Any:
+    def direction(self) -> Array:
         """Three by three float64: columns are the directions of the axes x, y, z in the world."""
         np = arrays.numpy("Volume")
         return np.eye(3) if self._turn is None else self._turn.copy()
@@ -147,21 +149,22 @@ class Volume:
         x, y, z = self.to_world([ijk])[0].tolist()
         return (x, y, z)
 
-    def to_world(self, ijk: Any) -> Any:
+    def to_world(self, ijk: Any) -> Array:
         """Positions (n, 3) of places given by ``ijk`` (n, 3), counted in samples from the first one [world]."""
         np = arrays.numpy("Volume")
         own = np.array(tuple(self._c.lattice.origin)) + (np.asarray(ijk, float) + self.low + 0.5) * np.asarray(self.spacing)
         return own if self._turn is None else into_world(self._turn, own)
 
     @property
-    def bounds(self) -> Any:
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Low and high corner of the box along the world's axes that holds all voxels [world]."""
         np = arrays.numpy("Volume")
         ends = [[0 if end >> a & 1 == 0 else n for a, n in enumerate(self.shape)] for end in range(8)]
         found = self.to_world(np.array(ends) - 0.5)
-        return tuple(found.min(axis=0).tolist()), tuple(found.max(axis=0).tolist())
+        (a, b, c), (d, e, f) = found.min(axis=0).tolist(), found.max(axis=0).tolist()
+        return (a, b, c), (d, e, f)
 
-    def turned(self, frame: str) -> Volume:
+    def turned(self, frame: Frame) -> Volume:
         """The same samples in the world of another ``frame``, "lps" or "ras": x and y change their sign. No copy."""
         np = arrays.numpy("Volume")
         wanted = frame_of(frame)
@@ -174,7 +177,7 @@ class Volume:
         made._set(self._array, self.lattice, self.low, None if (turn == np.eye(3)).all() else turn, wanted)
         return made
 
-    def aligned(self, *, spacing: Any = None, method: str = "linear", outside: Any = None) -> Volume:
+    def aligned(self, *, spacing: Any = None, method: Resampling = "linear", outside: Any = None) -> Volume:
         """The volume with axes along the world's: what lies flipped or permuted is turned without a copy, what lies oblique is
         sampled anew on a lattice around it.
 
@@ -195,7 +198,8 @@ class Volume:
             array = self._array.transpose(axes)[tuple(slice(None, None, -1) if f else slice(None) for f in flips)]
             first = [0 if not f else n - 1 for f, n in zip((flips[int(a)] for a in order), self.shape)]
             return Volume(array, spacing=[self.spacing[a] for a in axes], center0=self._world(first), frame=self.frame)
-        return call("resampled", self, spacing, method, outside)
+        made: Volume = call("resampled", self, spacing, method, outside)
+        return made
 
     @property
     def lattice(self) -> Lattice:
@@ -233,7 +237,7 @@ class Volume:
         made._set(self._array[part], self.lattice, tuple(a + s.start for a, s in zip(self.low, part)), self._turn, self.frame)
         return made
 
-    def to_numpy(self, order: str = "xyz") -> Any:
+    def to_numpy(self, order: Order = "xyz") -> Any:
         """The samples, ``array[x, y, z]``, or with order "zyx" ``array[z, y, x]``; no copy."""
         if order not in ("xyz", "zyx"):
             raise ArgumentError(f"order is {order!r}; it must be 'xyz' or 'zyx'")
@@ -254,7 +258,7 @@ class Volume:
                 and np.array_equal(self.direction, other.direction)
                 and np.array_equal(self._array, other._array, equal_nan=self._array.dtype.kind == "f"))
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]
 
     def __reduce__(self) -> Any:
         np = arrays.numpy("pickling")
@@ -316,9 +320,9 @@ class Volume:
         labels = [record(found[i]) for i in range(count[0])]
         return [one._replace(value=one.value % 2**64) for one in labels] if unsigned else labels
 
-    def surface(self, level: float = 0.0, *, below: bool = False, face_rule: str = "separate", dtype: Any = None,
+    def surface(self, level: float = 0.0, *, below: bool = False, face_rule: FaceRule = "separate", dtype: Any = None,
                 open_sides: str | Iterable[str] = (), keys: bool = False, triangles: int | None = None,
-                error: float | str | None = None, error_kind: str | None = None, local_frame: bool = False, threads: int | None = None,
+                error: float | str | None = None, error_kind: ErrorKind | None = None, local_frame: bool = False, threads: int | None = None,
                 memory_limit: int | None = None, progress: Progress = None) -> Mesh:
         """The closed, manifold surface of a level by marching cubes, vertices by linear interpolation between samples.
 
@@ -370,10 +374,13 @@ class Volume:
         return f"Volume({x} x {y} x {z}, {self._array.dtype})"
 
 
-def frame_of(frame: str | None) -> str | None:
+def frame_of(frame: str | None) -> Frame | None:
     """A frame's name, or an error."""
-    if frame is None or frame in FRAMES:
-        return frame
+    for known in FRAMES:
+        if frame == known:
+            return known
+    if frame is None:
+        return None
     raise ArgumentError(f"frame is {frame!r}; it must be 'lps' or 'ras'")
 
 
@@ -412,7 +419,7 @@ def number(name: str, value: Any) -> float:
     return float(value)
 
 
-def _volume_from(array: Any, lattice: Lattice, low: Any, turn: Any, frame: str | None, report: Any) -> Volume:
+def _volume_from(array: Any, lattice: Lattice, low: Any, turn: Any, frame: Frame | None, report: Any) -> Volume:
     made = Volume.__new__(Volume)
     made._set(array, lattice, low, turn, frame)
     made.report = report
@@ -459,7 +466,7 @@ def _data_files(run: Run, held: Any, path: str) -> bytes | None:
 
 
 def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shape: Sequence[int] | None = None, dtype: Any = None,
-                spacing: Any = None, corner: Sequence[float] | None = None, offset: int = 0, frame: str | None = None, threads: int | None = None,
+                spacing: Any = None, corner: Sequence[float] | None = None, offset: int = 0, frame: Frame | None = None, threads: int | None = None,
                 memory_limit: int | None = None, progress: Progress = None) -> Volume:
     """Read a volume's samples from a file.
 
@@ -512,9 +519,13 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     try:
         beside = _fill(volume, held, path, kind, options, threads, memory_limit, progress)
     except UnsupportedError:
-        if kind not in ("nrrd", "nhdr") or importlib.util.find_spec("SimpleITK") is None:
+        if kind not in ("nrrd", "nhdr"):
             raise
-        return _in_frame(call("read_by_library", path, kind), frame, path)  # axes that are turned, bzip2 and the like
+        try:
+            return _in_frame(call("read_by_library", path, kind), frame, path)  # axes that are turned, bzip2 and the like
+        except MissingExtraError:
+            pass
+        raise
     view = volume.view
     code = next(c for c in _TYPES if _type_number(c) == view.sample_type)
     size = tuple(view.size)
@@ -542,20 +553,20 @@ def _fill(volume: Any, held: Any, path: str, kind: str, options: Any, threads: A
     return beside
 
 
-def _frame_told(data: Any) -> str | None:
+def _frame_told(data: Any) -> Frame | None:
     """What an NRRD's head says of its space."""
     head = bytes(data[: 1 << 16]).split(b"\n\n", 1)[0]
     said = re.search(rb"^space:\s*(\S+)", head, flags=re.M)
-    names = {b"left-posterior-superior": "lps", b"lps": "lps", b"right-anterior-superior": "ras", b"ras": "ras"}
+    names: dict[bytes, Frame] = {b"left-posterior-superior": "lps", b"lps": "lps", b"right-anterior-superior": "ras", b"ras": "ras"}
     return names.get(said[1].lower()) if said else None
 
 
-def _in_frame(volume: Volume, frame: str | None, path: str) -> Volume:
-    if frame_of(frame) is None:
+def _in_frame(volume: Volume, frame: Frame | None, path: str) -> Volume:
+    if frame_of(frame) is None or frame is None:
         return volume
     if volume.frame is None:
         raise ArgumentError(f"{path}: the file does not say what its axes are, so it cannot be turned to {frame!r}")
-    return volume.turned(str(frame))
+    return volume.turned(frame)
 
 
 def volume_of_bits(grid: Grid) -> Volume:

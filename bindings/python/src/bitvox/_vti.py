@@ -43,6 +43,7 @@ def without_blocks(data: Any, limit: int | None = None) -> Any:
             at = len(whole) if at < 0 else at
             plain = _unpacked(b"".join(whole[tag.end() : at].split()), True, number, limit)
         else:
+            assert tail is not None and offset is not None  # else passed over above
             at, first = tag.end(), tail.end() + int(offset[1])
             plain = _unpacked(whole[first:], b"base64" in tail[1], number, limit)
         arrays += [struct.pack(number, len(plain)), plain]

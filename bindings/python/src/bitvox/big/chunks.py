@@ -22,14 +22,17 @@ class Chunks:
     """
 
     __slots__ = ("lattice", "size", "counts")
+    lattice: Lattice
+    size: Index
+    counts: Index
 
     def __init__(self, lattice: Lattice, size: int | Sequence[int]) -> None:
         self.lattice = lattice
         sides = [size] * 3 if not hasattr(size, "__len__") else list(size)  # type: ignore[arg-type]
         if len(sides) != 3:
             raise ArgumentError("chunks must be one number or three")
-        self.size: Index = tuple(min(in_range("chunks", n, 1, 2**25), m) for n, m in zip(sides, lattice.shape))  # type: ignore[assignment]
-        self.counts: Index = tuple(-(-m // n) for n, m in zip(self.size, lattice.shape))  # type: ignore[assignment]
+        self.size = tuple(min(in_range("chunks", n, 1, 2**25), m) for n, m in zip(sides, lattice.shape))  # type: ignore[assignment]
+        self.counts = tuple(-(-m // n) for n, m in zip(self.size, lattice.shape))  # type: ignore[assignment]
 
     def __iter__(self) -> Iterator[Index]:
         """Indices (x, y, z) of all chunks, x fastest."""

@@ -36,6 +36,12 @@ class Task:
     """
 
     __slots__ = ("source", "chunks", "index", "result", "options", "surface_options")
+    source: Any
+    chunks: Chunks
+    index: Index
+    result: str
+    options: dict[str, Any]
+    surface_options: dict[str, Any]
 
     def __init__(self, source: Any, chunks: Chunks, index: Index, result: str, options: dict[str, Any], surface_options: dict[str, Any]) -> None:
         self.source, self.chunks, self.index, self.result = source, chunks, index, result
@@ -75,6 +81,10 @@ class Plan:
     Attributes:
         chunks: the cut lattice. tasks: one `Task` a chunk. result: "surface" or "grid".
     """
+
+    chunks: Chunks
+    tasks: list[Task]
+    result: str
 
     def __init__(self, chunks: Chunks, tasks: list[Task], result: str) -> None:
         self.chunks, self.tasks, self.result = chunks, tasks, result

@@ -16,6 +16,7 @@ from .._stages import merge
 from .._stages import surface as whole_surface
 from .chunks import Chunks, Index, join, overlap
 from .plan import check_options, load, one_type, place_chunks, source_of, split_place, voxelize_window
+from .._words import Beyond, DistanceSide, FaceRule, FloatName, Reduce
 
 
 class Volume:
@@ -30,6 +31,8 @@ class Volume:
     """
 
     __slots__ = ("chunks", "blocks")
+    chunks: Chunks
+    blocks: dict[Index, Any]
 
     def __init__(self, chunks: Chunks, blocks: dict[Index, Any]) -> None:
         self.chunks, self.blocks = chunks, blocks
@@ -142,7 +145,7 @@ class Volume:
         Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).hollow(thickness)
         return self.around(_morph, _reach(self.lattice, thickness), "hollow", (thickness,), {"beyond": beyond})
 
-    def distance(self, limit: float, side: str = "outside", *, beyond: str = "nothing", dtype: str = "float32") -> Any:
+    def distance(self, limit: float, side: DistanceSide = "outside", *, beyond: Beyond = "nothing", dtype: FloatName = "float32") -> Any:
         """A Dask array [x, y, z] of the distances of `Grid.distance`, exact up to a limit; what is farther is as far as the limit.
 
         A task sees its chunk and a halo of the limit, so it costs memory: a chunk of 256 with a limit of 64 voxels holds 384^3
@@ -165,7 +168,7 @@ class Volume:
 
     # ---- fewer, larger voxels ----
 
-    def _blocks(self, factor: Any, rule: str) -> tuple[Chunks, dict[Index, Window], tuple[int, ...]]:
+    def _blocks(self, factor: Any, rule: Reduce) -> tuple[Chunks, dict[Index, Window], tuple[int, ...]]:
         """The cut lattice of the result, for each of its chunks the window that it is made of, and the factors."""
         by = tuple(triple_of(factor))
         made = Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).downsample(by, rule)
@@ -176,7 +179,7 @@ class Volume:
             windows[index] = Window(begin, tuple(min(n * f, end - a) for n, f, a, end in zip(size, by, begin, self.shape)))  # type: ignore[arg-type]
         return cut, windows, by
 
-    def downsample(self, factor: Any, rule: str = "any") -> Volume:
+    def downsample(self, factor: Any, rule: Reduce = "any") -> Volume:
         """`Grid.downsample` of the whole; chunks keep their size in the world, rounded up to whole blocks.
 
         Args:
@@ -262,7 +265,7 @@ def _distances(lattice: Lattice, wide: Window, window: Window, parts: Sequence[G
     return np.clip(inner, -most, most)
 
 
-def _downsampled(lattice: Lattice, window: Window, parts: Sequence[Grid], factor: Any, rule: str) -> Grid:
+def _downsampled(lattice: Lattice, window: Window, parts: Sequence[Grid], factor: Any, rule: Reduce) -> Grid:
     return join(lattice, window, parts).downsample(factor, rule)
 
 
@@ -333,7 +336,7 @@ def _from_array(array: Any, lattice: Lattice, low: Any) -> Grid:
     return Grid.from_numpy(array, lattice=lattice, low=low)
 
 
-def surface(volume: Volume, *, face_rule: str = "separate", dtype: Any = None, local_frame: bool = False) -> Mesh:
+def surface(volume: Volume, *, face_rule: FaceRule = "separate", dtype: Any = None, local_frame: bool = False) -> Mesh:
     """The closed surface of a volume: chunk by chunk on the workers, merged here.
 
     Args:

@@ -1,0 +1,42 @@
+"""The words that options take, for type checkers; `tests/test_types.py` compares them with the library's own lists."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[Any]
+else:
+    Array = Any
+
+Fill = Literal["parity", "nonzero", "vote", "flood", "regions", "below", "winding", "auto"]
+BooleanFill = Literal["parity", "nonzero", "vote", "winding", "auto"]
+Sign = Literal["auto", "exact", "normal", "pseudonormal", "winding", "vote", "none"]
+RepairSign = Literal["auto", "exact", "winding", "vote"]
+Interpolation = Literal["vector", "scalar", "middle", "paper", "tangent"]
+FaceRule = Literal["separate", "join"]
+Mode = Literal["solid", "conservative", "thin", "sampled"]
+Operation = Literal["union", "intersection", "difference", "xor"]
+Method = Literal["collapse", "coverage", "edge-ratio"]
+Open = Literal["shell", "keep", "cut"]
+OpenInput = Literal["refuse", "keep", "cut"]
+MadeFrom = Literal["auto", "mesh", "measured"]
+ErrorKind = Literal["mean", "max"]
+Thin = Literal["shell", "keep", "drop"]
+ThinCheck = Literal["auto", "never", "always"]
+Caps = Literal["flat", "taper", "open"]
+Nesting = Literal["levels", "whole"]
+Crossings = Literal["exact", "paper", "classic"]
+Reduce = Literal["any", "all", "majority"]
+DistanceSide = Literal["outside", "inside", "signed"]
+Beyond = Literal["nothing", "empty", "set"]
+Side = Literal["x-low", "x-high", "y-low", "y-high", "z-low", "z-high"]
+Far = Literal["constant", "propagated"]
+Axis = Literal["x", "y", "z"]
+Order = Literal["xyz", "zyx"]
+Frame = Literal["lps", "ras"]
+Direction = Literal["-x", "-y", "-z", "+x", "+y", "+z"]
+Resampling = Literal["linear", "nearest"]
+FloatName = Literal["float32", "float64"]
