@@ -27,7 +27,7 @@ _UNIT_HEAD = """#if defined(__linux__) && !defined(_GNU_SOURCE)
 def prepare() -> Path:
     """Make sure that the sources and the header are in csrc and up to date; returns the header's path."""
     if (REPOSITORY / "src" / "core").is_dir() and (REPOSITORY / "include" / "bitvox.h").is_file():
-        rooms = [path for path in sorted((REPOSITORY / "src").iterdir()) if path.is_dir() and path.name != "cli"]
+        rooms = [path for path in sorted((REPOSITORY / "src").iterdir()) if path.is_dir() and not path.name.startswith("cli")]
         files = {f"src/{room.name}/{path.name}": path.read_bytes() for room in rooms for path in sorted(room.glob("*.[ch]"))}
         files |= {f"unit_{i:02}.c": text.encode() for i, text in enumerate(_units(files))}
         files |= {"bitvox.h": (REPOSITORY / "include" / "bitvox.h").read_bytes(), "LICENSE": (REPOSITORY / "LICENSE").read_bytes()}
