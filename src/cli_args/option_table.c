@@ -161,8 +161,10 @@ static const cli_argument arguments[] = {
            "on, else all directions, whichever way triangles face; flood: what a\nflood from outside cannot reach, cavities included; regions: what the\n"
            "surface parts is inside or outside as a whole; below: all under a terrain;\n"
            "winding: more than half a turn, for holes in overlapping parts [auto]"),
-    WHOLE("--close-gaps", "N", CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_FACES | CLI_MORPH, close_gaps, 0, 65535,
+    WHOLE("--close-gaps", "N", CLI_VOXELIZE, close_gaps, 0, 65535,
           "with --fill flood, or --body: gaps of up to N voxels hold the flood [0]"),
+    WHOLE("--close-gaps", "N", CLI_LOD | CLI_RENDER | CLI_FACES | CLI_MORPH, close_gaps, 0, 65535,
+          "with --fill flood: gaps of up to N voxels hold the flood [0]"),
     CHOICE("--fill", "RULE", CLI_BOOLEAN, fill, boolean_fill_names, BVX_FILL_PARITY,
            "what is inside a mesh. auto: what suits it; parity: nested shells are\ncavities; nonzero: overlapping and inverted shells are one solid; vote,\n"
            "winding: for meshes with holes [auto]"),

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FAR_SAMPLES = 4096, FAR_TIMES = 50, FAR_SHARE = 100, FAR_SAVED = 16 };
+enum { FAR_SAMPLES = 4096, FAR_TIMES = 50, FAR_SHARE = 100, FAR_SAVED = 16, NEAR_VOXELS = 8 };
 
 #define FAR_BYTES 268435456.0 /* smaller lattices are made, whatever they are for */
 
@@ -94,6 +94,29 @@ static void count_far(far_points *f)
     }
 }
 
+/* By --resolution a far point costs no memory, but leaves the others a few voxels: where they lie in fewer than NEAR_VOXELS along each
+ * axis of a lattice that has many more. */
+static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud, const bvx_lattice *lattice)
+{
+    far_points f = {.view = view, .cloud = cloud};
+    double most = 0.0;
+    int32_t longest = 0;
+
+    f.count = cloud ? view->vertex_count : view->triangle_count * 3;
+    if (f.count == 0 || !find_near_box(&f)) return;
+    count_far(&f);
+    if (f.far == 0 || f.far > f.count / FAR_SHARE) return;
+    for (int a = 0; a < 3; a++) {
+        most = fmax(most, (f.near_high[a] - f.near_low[a]) / lattice->spacing[a]);
+        longest = lattice->dims[a] > longest ? lattice->dims[a] : longest;
+    }
+    if (most >= NEAR_VOXELS || longest < 4 * NEAR_VOXELS) return;
+
+    cli_warn(run, "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s, which are %.2g of %" PRId32 " voxels long; take it out of "
+             "the file, or choose voxels by --spacing", cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1], f.at[2],
+             f.far == 1 ? "" : ", and it is not the only one", most, longest);
+}
+
 int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud, const bvx_lattice *lattice)
 {
     double bytes = 8.0, near = 8.0, limit = (double)run->context_limit;
@@ -101,6 +124,7 @@ int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int
 
     f.count = cloud ? view->vertex_count : view->triangle_count * 3;
     for (int a = 0; a < 3; a++) bytes *= a == 0 ? ceil(lattice->dims[a] / 64.0) : (double)lattice->dims[a];
+    warn_of_far(run, path, view, cloud, lattice);
     if (bytes < FAR_BYTES || f.count == 0 || bytes <= limit || !find_near_box(&f)) return CLI_DONE;
 
     count_far(&f);

@@ -509,6 +509,9 @@ run convert "$knot" -o far.obj
 vertices=$(grep -c '^v ' far.obj)
 printf 'v 1000000 0 0\nv 1000000 1 0\nv 1000000 0 1\nf %d %d %d\n' $((vertices + 1)) $((vertices + 2)) $((vertices + 3)) >>far.obj
 refuses 1 "point $points at 1000000, 3, 2 lies far from the others: a lattice of" voxelize far.xyz -o x.bvx --spacing 0.05 --body
+# By --resolution it costs no memory, and leaves the others less than one voxel.
+warns "point $points at 1000000, 3, 2 lies far from the others, which are" voxelize far.xyz -o x.bvx --resolution 128
+warns 'voxels long; take it out of the file, or choose voxels by --spacing' voxelize far.xyz -o x.bvx --resolution 128
 refuses 1 'take it out of the file, or allow so much by --memory-limit' voxelize far.xyz -o x.bvx --spacing 0.05
 far="vertex $vertices at 1000000, 0, 0 lies far from the others, and it is not the only one"
 refuses 1 "$far" voxelize far.obj -o x.bvx --spacing 0.05
