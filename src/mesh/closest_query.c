@@ -13,6 +13,7 @@
  * mesh. A distance above the largest double is infinity. */
 #include "mesh/closest_query.h"
 #include "bits/curve.h"
+#include "core/vec3.h"
 #include "mesh/radix.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
@@ -41,18 +42,6 @@ static int is_on_query_edge(const double p[3], const double a[3], const double b
     return a[0] + *s * u[0] == q[0] && a[1] + *s * u[1] == q[1] && a[2] + *s * u[2] == q[2];
 }
 
-static void query_cross(const double a[3], const double b[3], double n[3])
-{
-    n[0] = a[1] * b[2] - a[2] * b[1];
-    n[1] = a[2] * b[0] - a[0] * b[2];
-    n[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double query_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* Weights of the projection of p, of which is known that it lies inside: va, vb and vc are above 0 there. */
 static void weigh_query_face(const double p[3], const double t[3][3], double weight[3])
 {
@@ -62,10 +51,10 @@ static void weigh_query_face(const double p[3], const double t[3][3], double wei
         ac[k] = t[2][k] - t[0][k];
         ap[k] = p[k] - t[0][k];
     }
-    query_cross(ab, ac, n);
-    query_cross(ap, ac, nb);
-    query_cross(ab, ap, nc);
-    double const area2 = query_dot(n, n), vb = query_dot(nb, n), vc = query_dot(nc, n);
+    bvxi_vec_cross(ab, ac, n);
+    bvxi_vec_cross(ap, ac, nb);
+    bvxi_vec_cross(ab, ap, nc);
+    double const area2 = bvxi_vec_dot(n, n), vb = bvxi_vec_dot(nb, n), vc = bvxi_vec_dot(nc, n);
     weight[0] = (area2 - vb - vc) / area2;
     weight[1] = vb / area2;
     weight[2] = vc / area2;

@@ -7,40 +7,23 @@
  * The result is a point of the triangle up to rounding, never further than the closest one by more than 2^-26 of the
  * longest edge (2 10^-9 was the worst of millions of random needles; 10^-15 without needles). */
 #include "mesh/closest.h"
-
-static double triangle_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void triangle_cross(const double a[3], const double b[3], double n[3])
-{
-    n[0] = a[1] * b[2] - a[2] * b[1];
-    n[1] = a[2] * b[0] - a[0] * b[2];
-    n[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double triangle_distance2(const double p[3], const double q[3])
-{
-    double const d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
-    return triangle_dot(d, d);
-}
+#include "core/vec3.h"
 
 static double closest_at(const double p[3], const double corner[3], double q[3])
 {
     memcpy(q, corner, 3 * sizeof q[0]);
-    return triangle_distance2(p, q);
+    return bvxi_vec_distance2(p, q);
 }
 
 /* Closest point of the segment from a to b. */
 static double closest_on_segment(const double p[3], const double a[3], const double b[3], double q[3])
 {
     double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, w[3] = {p[0] - a[0], p[1] - a[1], p[2] - a[2]};
-    double const along = triangle_dot(u, w), length2 = triangle_dot(u, u);
+    double const along = bvxi_vec_dot(u, w), length2 = bvxi_vec_dot(u, u);
     if (!(along > 0.0)) return closest_at(p, a, q);
     if (along >= length2) return closest_at(p, b, q);
     for (int k = 0; k < 3; k++) q[k] = a[k] + along / length2 * u[k];
-    return triangle_distance2(p, q);
+    return bvxi_vec_distance2(p, q);
 }
 
 static double closest_on_edges(const double p[3], const double t[3][3], double q[3])
@@ -61,7 +44,7 @@ static double closest_on_face(const double p[3], const double a[3], const double
                               double w, double q[3])
 {
     for (int k = 0; k < 3; k++) q[k] = a[k] + v * ab[k] + w * ac[k];
-    return triangle_distance2(p, q);
+    return bvxi_vec_distance2(p, q);
 }
 
 double bvxi_closest_on_triangle(const double p[3], const double t[3][3], double q[3])
@@ -73,14 +56,14 @@ double bvxi_closest_on_triangle(const double p[3], const double t[3][3], double 
         bc[k] = t[2][k] - t[1][k];
         ap[k] = p[k] - t[0][k];
     }
-    triangle_cross(ab, ac, n);
-    triangle_cross(ap, ac, nb);
-    triangle_cross(ab, ap, nc);
-    double const ab2 = triangle_dot(ab, ab), ac2 = triangle_dot(ac, ac), bc2 = triangle_dot(bc, bc);
-    double const abac = triangle_dot(ab, ac), area2 = triangle_dot(n, n);
-    double const d1 = triangle_dot(ab, ap), d2 = triangle_dot(ac, ap); /* seen from a; then from b and from c */
+    bvxi_vec_cross(ab, ac, n);
+    bvxi_vec_cross(ap, ac, nb);
+    bvxi_vec_cross(ab, ap, nc);
+    double const ab2 = bvxi_vec_dot(ab, ab), ac2 = bvxi_vec_dot(ac, ac), bc2 = bvxi_vec_dot(bc, bc);
+    double const abac = bvxi_vec_dot(ab, ac), area2 = bvxi_vec_dot(n, n);
+    double const d1 = bvxi_vec_dot(ab, ap), d2 = bvxi_vec_dot(ac, ap); /* seen from a; then from b and from c */
     double const d3 = d1 - ab2, d4 = d2 - abac, d5 = d1 - abac, d6 = d2 - ac2;
-    double const vb = triangle_dot(nb, n), vc = triangle_dot(nc, n), va = area2 - vb - vc;
+    double const vb = bvxi_vec_dot(nb, n), vc = bvxi_vec_dot(nc, n), va = area2 - vb - vc;
     int const over_face = va > 0.0 && vb > 0.0 && vc > 0.0;
     longest2 = ab2 > ac2 ? ab2 : ac2;
     longest2 = bc2 > longest2 ? bc2 : longest2;

@@ -9,18 +9,6 @@
 #define CAMERA_FAR 1e6    /* most that is shown; the model's size is about 1 */
 #define CAMERA_THIN 1e-9  /* least extent that the scale is taken from; the model's size is about 1 */
 
-static double camera_length(const double v[3])
-{
-    return sqrt(bvxi_camera_dot(v, v));
-}
-
-static void camera_cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* Length 1; by the greatest part first, so that squares neither overflow nor vanish. */
 static void camera_normalize(const double v[3], double n[3])
 {
@@ -30,7 +18,7 @@ static void camera_normalize(const double v[3], double n[3])
         most = -v[a] > most ? -v[a] : most;
     }
     for (int a = 0; a < 3; a++) n[a] = v[a] / most;
-    length = camera_length(n);
+    length = bvxi_vec_length(n);
     for (int a = 0; a < 3; a++) n[a] /= length;
 }
 
@@ -53,10 +41,10 @@ void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double hig
     bvxi_camera_move(camera, low, high);
     camera_normalize(direction, camera->axis[2]);
     camera_normalize(up, upwards);
-    camera_cross(upwards, camera->axis[2], right);
-    for (int k = 0; k < 2 && camera_length(right) < 1e-6; k++) camera_cross(instead[k], camera->axis[2], right);
+    bvxi_vec_cross(upwards, camera->axis[2], right);
+    for (int k = 0; k < 2 && bvxi_vec_length(right) < 1e-6; k++) bvxi_vec_cross(instead[k], camera->axis[2], right);
     camera_normalize(right, camera->axis[0]);
-    camera_cross(camera->axis[2], camera->axis[0], camera->axis[1]);
+    bvxi_vec_cross(camera->axis[2], camera->axis[0], camera->axis[1]);
 }
 
 void bvxi_camera_show(const bvxi_camera *camera, const double show[2], bvxi_camera_extent *extent)

@@ -3,6 +3,7 @@
 #define BVXI_CAMERA_H
 
 #include "core/core.h"
+#include "core/vec3.h"
 
 typedef struct bvxi_camera {
     double axis[3][3]; /* right, up and towards the eye, at right angles, of length 1 */
@@ -32,16 +33,11 @@ void bvxi_camera_show(const bvxi_camera *camera, const double show[2], bvxi_came
 /* Fit the extremes into a frame of so many samples, with a margin. */
 void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int32_t width, int32_t height);
 
-static inline double bvxi_camera_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* Along right, up and towards the eye [Units: world * unit, from centre], of a point [Units: world * unit]. */
 static inline void bvxi_camera_turn_scaled(const bvxi_camera *c, const double u[3], double q[3])
 {
     double const d[3] = {u[0] - c->centre[0], u[1] - c->centre[1], u[2] - c->centre[2]};
-    for (int a = 0; a < 3; a++) q[a] = bvxi_camera_dot(c->axis[a], d);
+    for (int a = 0; a < 3; a++) q[a] = bvxi_vec_dot(c->axis[a], d);
 }
 
 /* The same of a point of the world. */

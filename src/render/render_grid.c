@@ -38,9 +38,9 @@ static void normal_around(const bvxi_grid_scene *s, const int32_t voxel[3], cons
     double const relative[3] = {spacing[0] / longest, spacing[1] / longest, spacing[2] / longest};
     double world[3], length2;
     bvxi_voxel_normal(s->grid, s->also, relative, voxel[0], voxel[1], voxel[2], world);
-    for (int a = 0; a < 3; a++) n[a] = bvxi_camera_dot(s->picture.camera.axis[a], world);
+    for (int a = 0; a < 3; a++) n[a] = bvxi_vec_dot(s->picture.camera.axis[a], world);
     if (n[2] < 0.0) n[2] = 0.0;
-    length2 = bvxi_camera_dot(n, n);
+    length2 = bvxi_vec_dot(n, n);
     for (int a = 0; a < 3; a++) n[a] = length2 > GRID_BALANCED ? n[a] / sqrt(length2) : face[a];
 }
 
@@ -69,7 +69,7 @@ static void normal_of_sample(const bvxi_grid_scene *s, const int32_t voxel[3], c
     if (s->picture.roughness > 0.0) normal_around(s, voxel, face, seen->tangent);
     else memcpy(seen->tangent, face, 3 * sizeof *face);
     for (int a = 0; a < 3; a++) mix[a] = face[a] * s->blocky + seen->tangent[a] * (1.0 - s->blocky);
-    length2 = bvxi_camera_dot(mix, mix);
+    length2 = bvxi_vec_dot(mix, mix);
     for (int a = 0; a < 3; a++) seen->normal[a] = length2 > 0.0 ? mix[a] / sqrt(length2) : face[a];
 }
 

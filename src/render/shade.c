@@ -88,7 +88,7 @@ bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_s
     static const int32_t directions[5] = {0, 12, 6, 4, 3};
     const bvxi_raster *const r = &picture->raster;
     double const side = (double)(r->width < r->height ? r->width : r->height);
-    double const length = sqrt(bvxi_camera_dot(shade_light, shade_light));
+    double const length = sqrt(bvxi_vec_dot(shade_light, shade_light));
     bvxi_shade *s;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *s, "the picture's shading", &s));
     s->picture = picture;
@@ -159,7 +159,7 @@ static int shade_is_outline(const bvxi_shade *s, int32_t x, int32_t y, const dou
 static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t pattern, const bvxi_seen *seen)
 {
     double const open = 1.0 - shade_occlusion(s, x, y, pattern, seen->tangent);
-    double const facing = (bvxi_camera_dot(seen->normal, s->light) + SHADE_WRAP) / (1.0 + SHADE_WRAP);
+    double const facing = (bvxi_vec_dot(seen->normal, s->light) + SHADE_WRAP) / (1.0 + SHADE_WRAP);
     double const ambient = (0.34 + 0.06 * seen->normal[1]) * open * open;
     double const direct = facing > 0.0 ? 0.74 * facing * (0.45 + 0.55 * open) : 0.0;
     return (ambient + direct) * (shade_is_outline(s, x, y, seen->tangent) ? 0.5 : 1.0);

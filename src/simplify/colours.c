@@ -8,13 +8,9 @@
  * colours and where there is one colour, and not across. Sums are additive, as plane quadrics are. */
 #include "simplify/colours.h"
 #include "mesh/facet.h"
+#include "core/vec3.h"
 
 /* ---- Sums ---- */
-
-static double colours_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static void colours_times(const double a[6], const double x[3], double y[3])
 {
@@ -29,9 +25,9 @@ void bvxi_colours_move(bvxi_colour_quadric *q, const double offset[3])
 
     /* g (x + offset) + d has the value d + g offset where it is centred now. */
     colours_times(q->a, offset, y);
-    q->c += 2 * colours_dot(q->b, offset) + colours_dot(y, offset);
+    q->c += 2 * bvxi_vec_dot(q->b, offset) + bvxi_vec_dot(y, offset);
     for (int k = 0; k < 3; k++) q->b[k] += y[k];
-    for (int j = 0; j < 3; j++) q->d[j] += colours_dot(q->g[j], offset);
+    for (int j = 0; j < 3; j++) q->d[j] += bvxi_vec_dot(q->g[j], offset);
 }
 
 void bvxi_colours_join(const bvxi_colour_quadric *u, const bvxi_colour_quadric *v, const double offset[3], bvxi_colour_quadric *both)
@@ -82,7 +78,7 @@ void bvxi_colours_pack(bvxi_colour_quadric *at, uint64_t vertices, const uint32_
  * area. */
 static int colour_gradient(const double u[3], const double v[3], const double value[3], double g[3])
 {
-    double const uu = colours_dot(u, u), uv = colours_dot(u, v), vv = colours_dot(v, v);
+    double const uu = bvxi_vec_dot(u, u), uv = bvxi_vec_dot(u, v), vv = bvxi_vec_dot(v, v);
     double const rise_u = value[1] - value[0], rise_v = value[2] - value[0], det = uu * vv - uv * uv;
     double alpha, beta;
 

@@ -13,6 +13,7 @@
  * Guarantee: a mesh without crossing triangles has none after a collapse that is judged safe. */
 #include "simplify/star.h"
 #include "bits/bits.h"
+#include "core/vec3.h"
 #include "mesh/cross.h"
 
 /* A new triangle keeps its side when its normal turns by less than about 78 degrees. */
@@ -26,18 +27,6 @@
 /* Planes part triangles by more than this share of the lengths that were multiplied: some hundred roundings.
  */
 #define APART_MARGIN 1e-13
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 static void subtract(const double *a, const double *b, double c[3])
 {
@@ -117,8 +106,8 @@ static double shape_of(const double normal[3], const double *a, const double *b,
     subtract(b, a, ab);
     subtract(c, b, bc);
     subtract(a, c, ca);
-    sides = dot(ab, ab) + dot(bc, bc) + dot(ca, ca);
-    return dot(normal, normal) / (sides * sides);
+    sides = bvxi_vec_dot(ab, ab) + bvxi_vec_dot(bc, bc) + bvxi_vec_dot(ca, ca);
+    return bvxi_vec_dot(normal, normal) / (sides * sides);
 }
 
 static int judge_shapes(const bvxi_corners *m, bvxi_star *star)
@@ -134,12 +123,12 @@ static int judge_shapes(const bvxi_corners *m, bvxi_star *star)
         apex = bvxi_corner_position(m, bvxi_corner_vertex_of(m, star->corner[i]));
         bvxi_area_normal(star->p, a, b, n);
         bvxi_area_normal(apex, a, b, before);
-        if (!(dot(n, n) > 0)) return BVXI_STAR_NEEDLE;
+        if (!(bvxi_vec_dot(n, n) > 0)) return BVXI_STAR_NEEDLE;
 
         /* What had no area has no side to keep. */
-        cosine = dot(n, before);
-        if (!(cosine > 0 && cosine * cosine > SIDE_COSINE * SIDE_COSINE * dot(n, n) * dot(before, before)) &&
-            dot(before, before) > 0)
+        cosine = bvxi_vec_dot(n, before);
+        if (!(cosine > 0 && cosine * cosine > SIDE_COSINE * SIDE_COSINE * bvxi_vec_dot(n, n) * bvxi_vec_dot(before, before)) &&
+            bvxi_vec_dot(before, before) > 0)
             return BVXI_STAR_TURNS;
 
         /* A needle may stay one where the collapse makes it no thinner. */
@@ -192,11 +181,11 @@ static int fan_is_graph(const bvxi_fan *f, const fan_range *r, const double *ape
         for (int k = 0; k < 3; k++) sum[k] += f->normal[fan_index(r, i)][k];
     face_along(sum, facing);
     for (int k = 0; k < 3; k++) sum[k] = (double)facing->along[k];
-    sum_square = dot(sum, sum);
+    sum_square = bvxi_vec_dot(sum, sum);
     for (int32_t i = 0; i < r->count; i++) {
         const double *const normal = f->normal[fan_index(r, i)];
-        double const along = dot(normal, sum);
-        if (!(along > 0 && along * along > FAN_COSINE * FAN_COSINE * sum_square * dot(normal, normal)))
+        double const along = bvxi_vec_dot(normal, sum);
+        if (!(along > 0 && along * along > FAN_COSINE * FAN_COSINE * sum_square * bvxi_vec_dot(normal, normal)))
             return no_facing(facing);
     }
 
@@ -204,15 +193,15 @@ static int fan_is_graph(const bvxi_fan *f, const fan_range *r, const double *ape
      * first to the left of its first edge, then to the right: one change. What lies on that line within
      * rounding tells nothing. One that ends at a border may end anywhere before it comes to its first edge. */
     subtract(f->around[fan_index(r, 0)], apex, first);
-    cross(sum, first, left);
-    left_square = dot(left, left);
+    bvxi_vec_cross(sum, first, left);
+    left_square = bvxi_vec_dot(left, left);
     for (int32_t i = 1; i < r->count + f->open; i++) {
         double way[3], side;
 
         subtract(f->around[fan_index(r, i)], apex, way);
-        side = dot(way, left);
-        if (side * side < FAN_SINE * FAN_SINE * dot(way, way) * left_square) {
-            if (f->open && dot(way, first) > 0) return no_facing(facing);
+        side = bvxi_vec_dot(way, left);
+        if (side * side < FAN_SINE * FAN_SINE * bvxi_vec_dot(way, way) * left_square) {
+            if (f->open && bvxi_vec_dot(way, first) > 0) return no_facing(facing);
             continue;
         }
         changes += (side > 0) != side_before;
@@ -319,11 +308,11 @@ static int new_triangle_crosses(const bvxi_corners *m, const bvxi_star *star, in
 static int faces_with_link(const bvxi_star *star, int32_t i, int32_t before, const bvxi_facing *facing)
 {
     double const along[3] = {(double)facing->along[0], (double)facing->along[1], (double)facing->along[2]};
-    double const one = dot(star->normal[i], along), other = dot(star->normal[before], along);
-    double const least = FAN_COSINE * FAN_COSINE * dot(along, along);
+    double const one = bvxi_vec_dot(star->normal[i], along), other = bvxi_vec_dot(star->normal[before], along);
+    double const least = FAN_COSINE * FAN_COSINE * bvxi_vec_dot(along, along);
 
-    return one > 0 && other > 0 && one * one > least * dot(star->normal[i], star->normal[i]) &&
-           other * other > least * dot(star->normal[before], star->normal[before]);
+    return one > 0 && other > 0 && one * one > least * bvxi_vec_dot(star->normal[i], star->normal[i]) &&
+           other * other > least * bvxi_vec_dot(star->normal[before], star->normal[before]);
 }
 
 static int judge_link_fans(const bvxi_corners *m, bvxi_star *star)
@@ -384,8 +373,8 @@ static int judge_new_fan(const bvxi_corners *m, bvxi_star *star)
  * below size. */
 static int axis_parts(const double axis[3], const double t[3][3], const double s[3][3], double size)
 {
-    double const t0 = dot(axis, t[0]), t1 = dot(axis, t[1]), t2 = dot(axis, t[2]);
-    double const s0 = dot(axis, s[0]), s1 = dot(axis, s[1]), s2 = dot(axis, s[2]);
+    double const t0 = bvxi_vec_dot(axis, t[0]), t1 = bvxi_vec_dot(axis, t[1]), t2 = bvxi_vec_dot(axis, t[2]);
+    double const s0 = bvxi_vec_dot(axis, s[0]), s1 = bvxi_vec_dot(axis, s[1]), s2 = bvxi_vec_dot(axis, s[2]);
     double const t_low = t0 < t1   ? t0 < t2 ? t0 : t2
                          : t1 < t2 ? t1
                                    : t2,
@@ -412,13 +401,13 @@ static int facet_parts(const double own[3][3], const double t[3][3], const doubl
 
     subtract(own[1], own[0], edge);
     subtract(own[2], own[1], other);
-    cross(edge, other, normal);
-    cross(other, normal, upright);
+    bvxi_vec_cross(edge, other, normal);
+    bvxi_vec_cross(other, normal, upright);
     if (axis_parts(upright, t, s, size) || axis_parts(normal, t, s, size)) return 1;
-    cross(edge, normal, upright);
+    bvxi_vec_cross(edge, normal, upright);
     if (axis_parts(upright, t, s, size)) return 1;
     subtract(own[0], own[2], edge);
-    cross(edge, normal, upright);
+    bvxi_vec_cross(edge, normal, upright);
     return axis_parts(upright, t, s, size);
 }
 
@@ -430,7 +419,7 @@ static int edges_part(const double t[3][3], const double s[3][3], double size)
         for (int j = 0; j < 3; j++) {
             subtract(t[(i + 1) % 3], t[i], a);
             subtract(s[(j + 1) % 3], s[j], b);
-            cross(a, b, axis);
+            bvxi_vec_cross(a, b, axis);
             if (axis_parts(axis, t, s, size)) return 1;
         }
     return 0;
@@ -539,10 +528,10 @@ static void gather_star_planes(const bvxi_corners *m, bvxi_star *star)
         subtract(bvxi_corner_position(m, star->link[i + 1]), bvxi_corner_position(m, star->link[i]), edge);
 
         memcpy(planes->normal, star->normal[i], sizeof planes->normal);
-        cross(edge, planes->normal, planes->out);
+        bvxi_vec_cross(edge, planes->normal, planes->out);
         planes->normal_size = size_of(planes->normal);
         planes->out_size = size_of(planes->out);
-        limit = dot(planes->out, a);
+        limit = bvxi_vec_dot(planes->out, a);
         planes->limit = limit > 0 ? limit : 0;
     }
 }
@@ -558,10 +547,10 @@ static int is_beyond(const bvxi_star *star, int32_t i, double q[3][3], double re
     double const off = APART_MARGIN * planes->normal_size * reach;
     double side[3];
 
-    if ((int)(dot(planes->out, q[0]) > away) & (int)(dot(planes->out, q[1]) > away) &
-        (int)(dot(planes->out, q[2]) > away))
+    if ((int)(bvxi_vec_dot(planes->out, q[0]) > away) & (int)(bvxi_vec_dot(planes->out, q[1]) > away) &
+        (int)(bvxi_vec_dot(planes->out, q[2]) > away))
         return 1;
-    for (int k = 0; k < 3; k++) side[k] = dot(planes->normal, q[k]);
+    for (int k = 0; k < 3; k++) side[k] = bvxi_vec_dot(planes->normal, q[k]);
     return ((side[0] > off) & (side[1] > off) & (side[2] > off)) |
            ((side[0] < -off) & (side[1] < -off) & (side[2] < -off));
 }

@@ -7,6 +7,7 @@
  * too runs through the edge or corner. All in units of the largest spacing, from the edge's low end. */
 #include "surface/edge_vector.h"
 #include "surface/field_surface.h"
+#include "core/vec3.h"
 #include "mesh/closest.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
@@ -21,17 +22,6 @@ typedef struct facet_edge {
     double size[2];                        /* of the normals; 0: no such triangle */
     int32_t axis;
 } facet_edge;
-
-static double facet_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static double facet_distance2(const double a[3], const double b[3])
-{
-    double const d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return facet_dot(d, d);
-}
 
 /* ---- the edge and its triangles ---- */
 
@@ -91,7 +81,7 @@ static int pass_triangle(const facet_edge *f, int32_t end, double *ratio)
 
 static int pass_plane(const facet_edge *f, int32_t end, double *ratio)
 {
-    *ratio = facet_dot(f->normal[end], f->corners[end][0]) / (f->normal[end][f->axis] * f->length);
+    *ratio = bvxi_vec_dot(f->normal[end], f->corners[end][0]) / (f->normal[end][f->axis] * f->length);
     return *ratio >= 0.0 && *ratio <= 1.0;
 }
 
@@ -145,8 +135,8 @@ static void put_plane(const double cut[3], const double n[3], double length, con
  * facet, the edge. */
 static double side_of_facet(const facet_edge *f, int32_t end)
 {
-    double const s = facet_dot(f->normal[end], f->outward[end]);
-    double const size = f->size[end] * sqrt(facet_dot(f->outward[end], f->outward[end]));
+    double const s = bvxi_vec_dot(f->normal[end], f->outward[end]);
+    double const size = f->size[end] * sqrt(bvxi_vec_dot(f->outward[end], f->outward[end]));
     if (s > 0.5 * size) return 1.0;
     if (s < -0.5 * size) return -1.0;
     return f->normal[end][f->axis] * f->along < 0.0 ? -1.0 : 1.0;
@@ -174,11 +164,11 @@ static int planes_of_facets(const facet_edge *f, const double cut[3], bvxi_facet
 
 static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_facet_plane planes[2])
 {
-    int32_t const nearer = facet_distance2(cut, f->closest[0]) <= facet_distance2(cut, f->closest[1]) ? 0 : 1;
+    int32_t const nearer = bvxi_vec_distance2(cut, f->closest[0]) <= bvxi_vec_distance2(cut, f->closest[1]) ? 0 : 1;
     int32_t found = 0;
     for (int32_t k = 0; k < 2; k++) {
         int32_t const end = k == 0 ? nearer : 1 - nearer;
-        double const length2 = facet_dot(f->outward[end], f->outward[end]);
+        double const length2 = bvxi_vec_dot(f->outward[end], f->outward[end]);
         if (!(length2 > SHORTEST2) || length2 - length2 != 0.0) continue;
         put_plane(cut, f->outward[end], sqrt(length2), f->closest[end], &planes[found++]);
     }

@@ -12,7 +12,7 @@ static int is_sharp(const bvxi_sharp_work *w, const bvxi_cell_loop *l)
         for (int32_t k = 0; k < i; k++) {
             double a[3], b[3];
             if (!bvxi_sharp_normal(w, l->vertex[i], a) || !bvxi_sharp_normal(w, l->vertex[k], b)) continue;
-            if (bvxi_sharp_dot(a, b) < w->least_cosine) return 1;
+            if (bvxi_vec_dot(a, b) < w->least_cosine) return 1;
         }
     return 0;
 }
@@ -28,7 +28,7 @@ static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
     int known = 0;
     for (uint32_t i = 0; i < corners; i++) {
         if (!bvxi_sharp_normal(w, corner[i], known ? n : first)) continue;
-        if (known && bvxi_sharp_dot(first, n) < half) return 1;
+        if (known && bvxi_vec_dot(first, n) < half) return 1;
         known = 1;
     }
     return 0;
@@ -94,7 +94,7 @@ static void read_planes(const bvxi_sharp_work *w, const sharp_box *box, const bv
                 middle[a] += other ? 0.0 : p[a] / l->corners;
                 to->n[a] = (double)from->n[a];
             }
-            to->d = bvxi_sharp_dot(to->n, p) + (double)from->offset;
+            to->d = bvxi_vec_dot(to->n, p) + (double)from->offset;
             count[1] += to->n[0] != 0.0 || to->n[1] != 0.0 || to->n[2] != 0.0;
         }
         if (other == 0) count[0] = count[1];
@@ -107,7 +107,7 @@ static int lies_on_all(const sharp_box *box, const bvxi_apex_plane *planes, int3
     for (int a = 0; a < 3; a++)
         if (!(p[a] > -box->half[a] && p[a] < box->half[a])) return 0;
     for (int32_t i = 0; i < count; i++) {
-        double const d = bvxi_sharp_dot(planes[i].n, p) - planes[i].d;
+        double const d = bvxi_vec_dot(planes[i].n, p) - planes[i].d;
         if (!(d < SAME_PLACE && d > -SAME_PLACE)) return 0;
     }
     return 1;
@@ -137,7 +137,7 @@ static int looks_away(const bvxi_sharp_work *w, const uint32_t end[2], const dou
     for (int i = 0; i < 4; i++) {
         const bvxi_facet_plane *const p = &w->cuts->planes[2 * (size_t)end[i >> 1] + (size_t)(i & 1)];
         double const facet[3] = {(double)p->n[0], (double)p->n[1], (double)p->n[2]};
-        if (bvxi_sharp_dot(n, facet) > 0.0) return 0;
+        if (bvxi_vec_dot(n, facet) > 0.0) return 0;
         known |= facet[0] != 0.0 || facet[1] != 0.0 || facet[2] != 0.0;
     }
     return known;

@@ -29,7 +29,7 @@ bvxi_sharp_loop *bvxi_sharp_beside(const bvxi_sharp_work *w, uint64_t slot, int3
 /* How far the worse of two triangles follows facets at its vertices a and b; the apexes have none. */
 static double follows(const double n[3], const double facet[3], double worst)
 {
-    double const cosine = bvxi_sharp_dot(n, facet);
+    double const cosine = bvxi_vec_dot(n, facet);
     return cosine < worst ? cosine : worst;
 }
 

@@ -4,6 +4,7 @@
 
 #include "surface/cells.h"
 #include "surface/sharp.h"
+#include "core/vec3.h"
 
 #include <math.h>
 
@@ -85,11 +86,6 @@ static inline void bvxi_trace_walked(const bvxi_cell_walk *c, bvxi_cell_loops *l
 
 /* ---- small geometry ---- */
 
-static inline double bvxi_sharp_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static inline void bvxi_sharp_vertex(const bvxi_march *m, uint32_t vertex, double p[3])
 {
     for (size_t a = 0; a < 3; a++)
@@ -116,7 +112,7 @@ static inline int bvxi_normal_of(const double a[3], const double b[3], const dou
     n[0] = u[1] * v[2] - u[2] * v[1];
     n[1] = u[2] * v[0] - u[0] * v[2];
     n[2] = u[0] * v[1] - u[1] * v[0];
-    length = sqrt(bvxi_sharp_dot(n, n));
+    length = sqrt(bvxi_vec_dot(n, n));
     if (!(length > 0.0)) return 0;
     for (int k = 0; k < 3; k++) n[k] /= length;
     return 1;

@@ -12,6 +12,7 @@
  * On which side of a triangle a centre lies is decided in integers, ties as everywhere (cover.h), as crossings are. */
 #include "voxelize/sheet_tree.h"
 #include "core/angle.h"
+#include "core/vec3.h"
 
 #include <math.h>
 
@@ -53,23 +54,11 @@ static inline void turn_by(sheet_sum *sum, double re, double im, int up)
     }
 }
 
-static inline void cross_seen(const double a[3], const double b[3], double n[3])
-{
-    n[0] = a[1] * b[2] - a[2] * b[1];
-    n[1] = a[2] * b[0] - a[0] * b[2];
-    n[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static inline double dot_seen(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static inline void see_point(const bvxi_sheet *s, uint64_t i, const sheet_sum *sum, bvxi_seen_point *p)
 {
     const double *const q = bvxi_sheet_point(s, i);
     for (int a = 0; a < 3; a++) p->v[a] = q[a] - sum->at[a];
-    p->length = bvxi_sheet_length(p->v);
+    p->length = bvxi_vec_length(p->v);
 }
 
 /* The triangle of node n goes to the look unless it lies further off than reach. */
@@ -85,8 +74,8 @@ static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *
         w[a] = p[2]->v[a] - p[0]->v[a];
     }
     if (r2 > limit * limit) return;
-    cross_seen(u, w, normal);
-    if (det * det > sum->reach * sum->reach * dot_seen(normal, normal) * (1 + 1e-6) + 1e-20) return;
+    bvxi_vec_cross(u, w, normal);
+    if (det * det > sum->reach * sum->reach * bvxi_vec_dot(normal, normal) * (1 + 1e-6) + 1e-20) return;
     if (look->triangles < BVXI_LOOK_TRIANGLES) {
         bvxi_near_triangle *const t = &look->triangle[look->triangles];
         for (int i = 0; i < 3; i++) t->p[i] = *p[i];
@@ -104,7 +93,7 @@ static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const bv
     const double *const a = q[0]->v, *const b = q[1]->v, *const c = q[2]->v;
     double const la = q[0]->length, lb = q[1]->length, lc = q[2]->length, most = 1e-10 * la * lb * lc;
     double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-    double den = la * lb * lc + dot_seen(a, b) * lc + dot_seen(b, c) * la + dot_seen(c, a) * lb;
+    double den = la * lb * lc + bvxi_vec_dot(a, b) * lc + bvxi_vec_dot(b, c) * la + bvxi_vec_dot(c, a) * lb;
     int up = det > 0;
     if (sum->reach > 0) keep_near_triangle(&s->node[corner[1]], q, det, sum);
     if (BVXI_UNLIKELY(det <= most && det >= -most && den <= most)) {
@@ -124,12 +113,12 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
 {
     const double *const a = pa->v, *const b = pb->v;
     double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, la = pa->length, lb = pb->length;
-    double const ab = dot_seen(a, b), uu = dot_seen(u, u), length = sqrt(uu);
+    double const ab = bvxi_vec_dot(a, b), uu = bvxi_vec_dot(u, u), length = sqrt(uu);
     double c[3], cc, d = 0.5 * (la + lb - length) - sum->reach, rest, factor, *gradient = sum->gradient;
     if (uu == 0) return;
-    cross_seen(a, b, c);
-    cc = dot_seen(c, c);
-    if (d < 2 * sum->reach) d = (dot_seen(a, u) >= 0 ? la : dot_seen(b, u) <= 0 ? lb : sqrt(cc) / length) - sum->reach; /* exactly */
+    bvxi_vec_cross(a, b, c);
+    cc = bvxi_vec_dot(c, c);
+    if (d < 2 * sum->reach) d = (bvxi_vec_dot(a, u) >= 0 ? la : bvxi_vec_dot(b, u) <= 0 ? lb : sqrt(cc) / length) - sum->reach; /* exactly */
     rest = d <= 1e-3 * sum->reach ? BVXI_SHEET_NO_BOUND : sum->reach * sum->reach * length / (4 * BVXI_PI * d * d * d);
     if (rest > sum->edge_rest && sum->look->edges < BVXI_LOOK_EDGES) {
         bvxi_near_edge *const e = &sum->look->edge[sum->look->edges++];
@@ -152,7 +141,7 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
 static int add_far_part(const bvxi_sheet_node *n, sheet_sum *sum)
 {
     double const r[3] = {n->centre[0] - sum->at[0], n->centre[1] - sum->at[1], n->centre[2] - sum->at[2]};
-    double const d2 = dot_seen(r, r), least = n->radius > 2 * sum->reach ? 2 * n->radius : n->radius + 2 * sum->reach;
+    double const d2 = bvxi_vec_dot(r, r), least = n->radius > 2 * sum->reach ? 2 * n->radius : n->radius + 2 * sum->reach;
     double error, rest = 0, bend = 0, factor, d, gap, flux;
     if (d2 <= least * least) return 0;
     d = sqrt(d2);
@@ -166,7 +155,7 @@ static int add_far_part(const bvxi_sheet_node *n, sheet_sum *sum)
         if (rest + bend > sum->near) return 0;
     }
     factor = 1 / (4 * BVXI_PI * d2 * d);
-    flux = dot_seen(r, n->normal);
+    flux = bvxi_vec_dot(r, n->normal);
     sum->error += error;
     sum->turns += flux * factor;
     if (sum->reach > 0) {

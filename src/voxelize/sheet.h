@@ -3,6 +3,7 @@
 #define BVXI_SHEET_H
 
 #include "voxelize/holes.h"
+#include "core/vec3.h"
 
 #include <math.h>
 
@@ -32,11 +33,6 @@ typedef struct bvxi_sheet {
 static inline const double *bvxi_sheet_point(const bvxi_sheet *s, uint64_t i)
 {
     return s->point + 3 * i;
-}
-
-static inline double bvxi_sheet_length(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
 static inline uint64_t bvxi_loop_begin(const bvxi_holes *holes, uint32_t loop)

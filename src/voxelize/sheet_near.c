@@ -7,23 +7,19 @@
  * or ends in its plane, there is none. */
 #include "voxelize/sheet.h"
 #include "core/angle.h"
-
-static double near_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+#include "core/vec3.h"
 
 /* Going by h, an edge from a to b sweeps the parallelogram a, b, b - h, a - h. Both halves of it, a, b, c = b - h and a, c, d = a - h,
  * have the volume - h (a x b) with the origin; half their solid angles are those of the complex numbers below, all edges' a
  * product. */
 int bvxi_sheet_swept(const bvxi_sheet_look *look, const double h[3], double *turns)
 {
-    double const hh = near_dot(h, h);
+    double const hh = bvxi_vec_dot(h, h);
     double re = 1, im = 0;
     int32_t rounds = 0;
     for (int32_t i = 0; i < look->edges; i++) {
         const bvxi_near_edge *const e = &look->edge[i];
-        double const la = e->a.length, lb = e->b.length, ah = near_dot(e->a.v, h), bh = near_dot(e->b.v, h), nh = near_dot(e->n, h);
+        double const la = e->a.length, lb = e->b.length, ah = bvxi_vec_dot(e->a.v, h), bh = bvxi_vec_dot(e->b.v, h), nh = bvxi_vec_dot(e->n, h);
         double const c2 = lb * lb - 2 * bh + hh, d2 = la * la - 2 * ah + hh;
         double const lc = c2 > 0 ? sqrt(c2) : 0, ld = d2 > 0 ? sqrt(d2) : 0;
         double const ac = e->ab - ah, size = la * la * lb * lc * lc * ld;
@@ -56,8 +52,8 @@ static int sure_sign(double v, double size)
 /* Does the way h cross the triangle? 2: not sure, else what it adds. */
 static int32_t enter_triangle(const bvxi_near_triangle *t, const double h[3])
 {
-    double const area = sqrt(near_dot(t->n, t->n)), far = t->p[0].length + bvxi_sheet_length(h);
-    int const from = sure_sign(t->det, area * far), to = sure_sign(t->det - near_dot(t->n, h), area * far);
+    double const area = sqrt(bvxi_vec_dot(t->n, t->n)), far = t->p[0].length + bvxi_vec_length(h);
+    int const from = sure_sign(t->det, area * far), to = sure_sign(t->det - bvxi_vec_dot(t->n, h), area * far);
     int turn[3], sum;
     if (from == to && from != 0) return 0;
     for (int i = 0; i < 3; i++) {

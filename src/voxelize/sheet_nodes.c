@@ -15,7 +15,7 @@ static void sheet_normal(const double a[3], const double b[3], const double c[3]
 static double sheet_distance(const double a[3], const double b[3])
 {
     double const v[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    return bvxi_sheet_length(v);
+    return bvxi_vec_length(v);
 }
 
 /* A ball around points i .. j: about the middle of their box. */
@@ -55,7 +55,7 @@ static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_no
         if (to - from < 2) continue;
         sheet_normal(bvxi_sheet_point(s, from), bvxi_sheet_point(s, m), bvxi_sheet_point(s, to), n);
         for (int a = 0; a < 3; a++) node->normal[a] += n[a];
-        node->area += bvxi_sheet_length(n);
+        node->area += bvxi_vec_length(n);
         bvxi_sheet_push(&w, from, m);
         bvxi_sheet_push(&w, m, to);
     }

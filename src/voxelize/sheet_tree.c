@@ -125,7 +125,7 @@ static const double *sheet_tree_point(const bvxi_sheet *s, const bvxi_sheet_tree
 static double tree_distance(const double a[3], const double b[3])
 {
     double const v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return bvxi_sheet_length(v);
+    return bvxi_vec_length(v);
 }
 
 /* A ball about the middle of the triangles' box. */
@@ -173,7 +173,7 @@ static void add_triangle_moments(const bvxi_sheet *s, const bvxi_sheet_tree *tre
         v[a] = p[2][a] - p[0][a];
     }
     for (int a = 0; a < 3; a++) n[a] = 0.5 * (u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3]);
-    c->area += bvxi_sheet_length(n);
+    c->area += bvxi_vec_length(n);
     for (int i = 0; i < 7; i++) {
         int const kind = i == 0 ? 0 : 1 + (i - 1) / 3, apex = (i + 2) % 3;
         double const w = weight[kind], b = side[kind];

@@ -6,6 +6,7 @@
  * across an edge that runs along x towards -y.
  * Guarantee: which case it is, and the side, are decided in integers. */
 #include "voxelize/sheet.h"
+#include "core/vec3.h"
 
 #include <math.h>
 
@@ -20,11 +21,6 @@ static int is_zero_vector(const int64_t v[3])
     return (v[0] | v[1] | v[2]) == 0;
 }
 
-static double dot_product(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static double cross_length(const double a[3], const double b[3])
 {
     double const x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
@@ -33,7 +29,7 @@ static double cross_length(const double a[3], const double b[3])
 
 static void to_unit(double v[3])
 {
-    double const length = sqrt(dot_product(v, v));
+    double const length = sqrt(bvxi_vec_dot(v, v));
     for (int i = 0; i < 3 && length > 0; i++) v[i] /= length;
 }
 
@@ -44,15 +40,15 @@ static void lune_angle(const double edge[3], int along_x, const double c[3], dou
     double cu, bu;
     to_unit(u);
     back[along_x ? 1 : 0] = -1;
-    cu = dot_product(c, u);
-    bu = dot_product(back, u);
+    cu = bvxi_vec_dot(c, u);
+    bu = bvxi_vec_dot(back, u);
     for (int i = 0; i < 3; i++) {
         across[i] = c[i] - cu * u[i];
         back[i] -= bu * u[i];
     }
     to_unit(across);
     to_unit(back);
-    *re = dot_product(back, across);
+    *re = bvxi_vec_dot(back, across);
     *im = cross_length(back, across);
 }
 
@@ -71,7 +67,7 @@ static void corner_angle(const int64_t exact_b[3], const int64_t exact_c[3], con
     }
     to_unit(u);
     to_unit(v);
-    *re = 1 + dot_product(back, u) + dot_product(u, v) + dot_product(v, back);
+    *re = 1 + bvxi_vec_dot(back, u) + bvxi_vec_dot(u, v) + bvxi_vec_dot(v, back);
     *im = u[1] * v[2] - u[2] * v[1];
     if (*im < 0) *im = -*im;
 }
