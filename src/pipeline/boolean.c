@@ -125,37 +125,6 @@ static void advise_boolean(boolean_job *job, int32_t what, double voxels, double
     if (advised > job->report.advised_resolution) job->report.advised_resolution = advised;
 }
 
-/* A body that lies on the lattice and has none of its voxels is lost, and so would be what is asked for. */
-static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
-{
-    bvxi_box_sides const sides = bvxi_sides_on_lattice(&job->box[i], &job->lattice);
-    const int32_t *const n = job->lattice.dims;
-
-    if (voxels == 0 && sides.whole)
-        return bvxi_fail(job->ctx, BVX_ERR_EMPTY,
-                         "%s: none of %d x %d x %d voxels has its centre inside: the body is thinner than they are, or encloses nothing; "
-                         "take a resolution of %d or more, or repair it first",
-                         boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2],
-                         (int64_t)bvxi_advised_resolution(&job->lattice, sides.shortest, 2.0));
-
-    if (voxels == 0 && sides.longest > 0.0) advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.shortest, 2.0);
-    else if (sides.longest > 0.0 && sides.longest < BVXI_BOOLEAN_FEW)
-        advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.longest, BVXI_BOOLEAN_WANTED);
-    return BVX_OK;
-}
-
-static bvx_status judge_result(boolean_job *job)
-{
-    int32_t longest = 0;
-    bvx_window box;
-
-    if (job->report.voxels == 0) return BVX_OK;
-    BVXI_TRY(bvx_grid_content(job->ctx, &job->inside, &box));
-    for (int a = 0; a < 3; a++) longest = box.size[a] > longest ? box.size[a] : longest;
-    if (longest < BVXI_BOOLEAN_FEW) advise_boolean(job, BVX_FEW_RESULT, longest, BVXI_BOOLEAN_WANTED);
-    return BVX_OK;
-}
-
 /* Walls of a body that its solid has lost: told, and by BVX_THIN_KEEP put back into the solid. */
 static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
 {
@@ -176,6 +145,62 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     }
     bvxi_walls_close(&walls);
     return status;
+}
+
+/* A body without a voxel: as many as show its thin walls, and the thinnest side of its box in any case; 0 where it encloses nothing. */
+static int32_t resolution_of_lost_body(const boolean_job *job, int32_t i, double shortest)
+{
+    const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    int32_t const of_box = bvxi_advised_resolution(&job->lattice, shortest, 2.0);
+
+    if (r->thin_voxels != 0 && r->thin_resolution == 0) return 0;
+    return r->thin_resolution > of_box ? r->thin_resolution : of_box;
+}
+
+/* A body that lies on the lattice and has none of its voxels is lost, and so would be what is asked for. */
+static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
+{
+    bvxi_box_sides const sides = bvxi_sides_on_lattice(&job->box[i], &job->lattice);
+    const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    const int32_t *const n = job->lattice.dims;
+
+    if (voxels == 0 && sides.whole) {
+        int32_t advised;
+
+        if (!r->thin_checked) BVXI_TRY(keep_thin_walls(job, i)); /* they were not asked for; what would show them is */
+        advised = resolution_of_lost_body(job, i, sides.shortest);
+        if (advised == 0)
+            return bvxi_fail(job->ctx, BVX_ERR_EMPTY,
+                             "%s: none of %d x %d x %d voxels has its centre inside: the body encloses nothing that any resolution would "
+                             "show; repair it first",
+                             boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2]);
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY,
+                         "%s: none of %d x %d x %d voxels has its centre inside: the body is thinner than they are, or encloses nothing; "
+                         "take a resolution of %d or more, or repair it first",
+                         boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2], (int64_t)advised);
+    }
+
+    if (voxels == 0 && sides.longest > 0.0) {
+        int32_t const advised = resolution_of_lost_body(job, i, sides.shortest);
+
+        advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.shortest, 2.0);
+        if (advised > job->report.advised_resolution) job->report.advised_resolution = advised;
+    } else if (sides.longest > 0.0 && sides.longest < BVXI_BOOLEAN_FEW) {
+        advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.longest, BVXI_BOOLEAN_WANTED);
+    }
+    return BVX_OK;
+}
+
+static bvx_status judge_result(boolean_job *job)
+{
+    int32_t longest = 0;
+    bvx_window box;
+
+    if (job->report.voxels == 0) return BVX_OK;
+    BVXI_TRY(bvx_grid_content(job->ctx, &job->inside, &box));
+    for (int a = 0; a < 3; a++) longest = box.size[a] > longest ? box.size[a] : longest;
+    if (longest < BVXI_BOOLEAN_FEW) advise_boolean(job, BVX_FEW_RESULT, longest, BVXI_BOOLEAN_WANTED);
+    return BVX_OK;
 }
 
 static bvx_status fill_boolean(boolean_job *job)

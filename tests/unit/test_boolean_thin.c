@@ -187,6 +187,31 @@ static void test_thick_bodies_are_as_without(void)
     TEST_ASSERT_EQUAL_UINT64(0, report.solid_a.thin_voxels + report.solid_b.thin_voxels);
 }
 
+/* A tray of thin walls, whose box is thick: the resolution that the refusal names does. */
+static void test_the_resolution_that_a_refusal_names_helps(void)
+{
+    bvx_boolean_options o;
+    bvx_mesh_view a, b;
+    const char *number;
+
+    box(&first, 0.003, 0.003, 0.003, 0.012, 1, 1);
+    box(&first, 0.003, 0.003, 0.003, 1, 0.012, 1);
+    box(&second, 0, 0, 0, 1, 1, 1);
+    a = maker_view(&first);
+    b = maker_view(&second);
+    bvx_boolean_options_init(&o, sizeof o);
+    o.resolution = 30;
+    o.thin = BVX_THIN_DROP;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made));
+    number = strstr(bvx_last_message(ctx), "a resolution of ");
+    TEST_ASSERT_NOT_NULL_MESSAGE(number, bvx_last_message(ctx));
+    o.resolution = (int32_t)strtol(number + 16, NULL, 10);
+    TEST_ASSERT_TRUE(o.resolution > 60 && o.resolution < 400);
+    o.report = &report;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made), bvx_last_message(ctx));
+    TEST_ASSERT_TRUE(report.voxels_a > 0);
+}
+
 static void test_refusals(void)
 {
     bvx_boolean_options o;
@@ -212,6 +237,7 @@ int main(void)
     RUN_TEST(test_a_slot);
     RUN_TEST(test_a_piece_of_a_plate);
     RUN_TEST(test_thick_bodies_are_as_without);
+    RUN_TEST(test_the_resolution_that_a_refusal_names_helps);
     RUN_TEST(test_refusals);
     return UNITY_END();
 }
