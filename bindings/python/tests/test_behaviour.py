@@ -199,3 +199,15 @@ def test_level_off_the_samples():
     low, high = bitvox.Volume(array).surface(1.0, dtype="float64").bounds
     assert low == (1.5 - 1 / 128,) * 3 and high == (1.5 + 1 / 128,) * 3 and "1/128" in bitvox.Volume.surface.__doc__
     assert math.isclose(bitvox.Volume(array).center0[0], 0.5)
+
+
+def test_messages_name_the_remedy(tmp_path, ball):
+    (tmp_path / "a.xyz").write_text("0 0 0\n1 1 1\n")
+    for call, kind, words in ((lambda: bitvox.voxelize(ball, spacing=0), bitvox.RangeError, "spacing is 0; it must be finite and above 0"),
+                              (lambda: bitvox.voxelize(ball, spacing=(1, -1, 1)), bitvox.RangeError, "above 0"),
+                              (lambda: bitvox.read(tmp_path), bitvox.ArgumentError, "is a folder; bitvox.read_volume"),
+                              (lambda: bitvox.read(tmp_path / "a.xyz"), bitvox.UnsupportedError, "bitvox.read_points"),
+                              (lambda: ball.save(tmp_path / "missing" / "a.ply"), FileNotFoundError, "no such folder: '.*missing'")):
+        with pytest.raises(kind, match=words):
+            call()
+    assert not list(tmp_path.glob(".bitvox-*"))

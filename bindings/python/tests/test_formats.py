@@ -333,3 +333,18 @@ except bitvox.MissingExtraError as error:
 """
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert f"bitvox[{extra}]" in found.stdout, found.stderr
+
+
+def test_hounsfield_units_stay_whole_numbers():
+    dicom = pytest.importorskip("bitvox.formats.dicom")
+
+    class Slice:
+        RescaleSlope, RescaleIntercept = "1", "-1024"
+        pixel_array = np.array([[0, 4095]], np.uint16)
+
+    found = dicom._values(Slice(), np)
+    assert found.dtype == np.int16 and found.tolist() == [[-1024, 3071]]
+    Slice.pixel_array = np.array([[65535]], np.uint16)
+    assert dicom._values(Slice(), np).tolist() == [[64511]]
+    Slice.RescaleSlope = "0.5"
+    assert dicom._values(Slice(), np).tolist() == [[65535 * 0.5 - 1024]]

@@ -14,6 +14,8 @@ def format_of(path: str, format: str | None) -> str:
         return format.lower().lstrip(".")
     name = path[:-3] if path.lower().endswith(".gz") else path
     ending = os.path.splitext(name)[1].lower().lstrip(".")
+    if not ending and os.path.isdir(path):
+        raise ArgumentError(f"{path} is a folder; bitvox.read_volume reads the folder of a DICOM series, everything else is in files")
     if not ending:
         raise ArgumentError(f"{path}: its name has no ending that tells the format; give format=")
     return ending

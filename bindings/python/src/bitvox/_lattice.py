@@ -117,7 +117,9 @@ class Lattice:
         if spacing is not None:
             if resolution is not None:
                 raise ArgumentError("resolution and spacing contradict each other; give one of them")
-            options.spacing = triple("spacing", spacing)
+            options.spacing = steps = triple("spacing", spacing)
+            if not all(0.0 < s < math.inf for s in steps):
+                raise RangeError(f"spacing is {spacing}; it must be finite and above 0")
         elif resolution is None:
             options.resolution = 256
         elif isinstance(resolution, (list, tuple)) or getattr(resolution, "ndim", None):

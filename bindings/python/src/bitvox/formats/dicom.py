@@ -89,6 +89,10 @@ def _values(one: Any, np: Any) -> Any:
     slope, intercept = float(getattr(one, "RescaleSlope", 1) or 1), float(getattr(one, "RescaleIntercept", 0) or 0)
     if values.ndim != 2:
         raise UnsupportedError("colour or multi-frame pictures are no volume of numbers")
+    if slope == 1.0 and intercept.is_integer() and abs(intercept) < 2**30 and values.dtype.itemsize <= 2:
+        whole = values.astype(np.int32) + int(intercept)
+        small = not whole.size or (int(whole.min()) >= -(2**15) and int(whole.max()) < 2**15)
+        return whole.astype(np.int16) if small else whole
     return values if slope == 1.0 and intercept == 0.0 else values * slope + intercept
 
 

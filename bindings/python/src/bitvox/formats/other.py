@@ -14,7 +14,7 @@ from .amf import read_amf
 from .dicom import is_picture, read_rtstruct
 from .dxf import read_dxf
 
-_OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml", "xyz")
+_OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml")
 
 
 def read_other(path: str, kind: str) -> Any:
@@ -29,6 +29,8 @@ def read_other(path: str, kind: str) -> Any:
         return read_rtstruct(path)
     if kind == "amf":
         return read_amf(path)
+    if kind in ("xyz", "pts", "pcd", "las", "laz", "e57"):
+        raise UnsupportedError(f"{path}: holds points, not a mesh; bitvox.read_points reads .xyz and .ply, bitvox.voxelize_points takes them")
     if kind not in _OTHERS:
         raise UnsupportedError(f"{path}: no format is known by the ending .{kind}")
     trimesh = need("trimesh", "formats")
