@@ -20,7 +20,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo python js test-python test-js test test-quick test-other test-machines deps deps-proof deps-js san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging install uninstall amalgamation clean force \
+.PHONY: all help demo python js js-page test-python test-js test test-quick test-other test-machines deps deps-proof deps-js san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -256,6 +256,9 @@ $(BUILD)/js/package/bitvox.js: $(core_sources) $(wildcard src/*/*.h include/*.h 
 	@for tool in node $(or $(EMCC),emcc); do command -v $$tool >/dev/null 2>&1 || { echo "make js: $$tool is missing; \
 	    it is in Debian's packages emscripten and nodejs, which make deps-js installs as root"; exit 1; }; done
 	$(call say,EMCC,$@) mkdir -p $(@D) && node bindings/js/build.mjs $(BUILD)/js
+
+js-page: js ## build/js/page: the page, files for any file server (npm fetches three.js and esbuild)
+	@BUILD=$(BUILD) sh tests/tools/test_js.sh page
 
 test-js: deps-js program ## the npm package: golden rows, types, samples under node and in Chromium (npm fetches what that needs)
 	@if command -v node >/dev/null 2>&1 && command -v $(or $(EMCC),emcc) >/dev/null 2>&1; then $(MAKE) --no-print-directory js; fi

@@ -33,9 +33,8 @@ writeFileSync(`${folder}/layout.h`, layoutHeader(header));
 // Where time goes, measured on levels, repairs, booleans and solids of scans: these files are compiled for
 // speed, all others for size.
 const HOT = new Set(
-    `nearest nearest_band nearest_brick nearest_build nearest_cell nearest_eight nearest_fill nearest_order nearest_pairs
-    nearest_leaf nearest_sieve nearest_ties crossing_pairs closest closest_build point_triangle check radix cross collapse star box_tree
-    thin sheet sheet_rows crossings solid_rows snap field_cuts emit count`.split(/\s+/),
+    `nearest_cell nearest_eight nearest_leaf nearest_sieve nearest_build nearest_pairs crossing_pairs closest closest_build
+    point_triangle check radix collapse star sheet sheet_four field_cuts`.split(/\s+/),
 );
 
 // Contraction would change results. With 128-bit instructions repairs take four fifths of the time. The stack lies

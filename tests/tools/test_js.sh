@@ -1,7 +1,7 @@
 #!/bin/sh
-# test_js.sh - build the npm package and test it: golden rows, errors, progress and memory under node, types by tsc, samples under node,
-# by Vite and in headless Chromium. Called by `make test-js`, after `make js`.
-# What npm fetches (typescript, vite, puppeteer-core) lies in $BUILD/js/tools. Ends with "N passed, N failed[, N skipped]";
+# test_js.sh [page] - build the npm package and test it: golden rows, errors, progress and memory under node, types by tsc, samples under node,
+# by Vite and in headless Chromium; the page, with files dropped and downloaded. page: build the page and test nothing. Called by `make test-js`, after `make js`.
+# What npm fetches (typescript, vite, esbuild, three, puppeteer-core) lies in $BUILD/js/tools. Ends with "N passed, N failed[, N skipped]";
 # status 77 when there is nothing to build with.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -49,9 +49,10 @@ as_program() {
 }
 
 tools() {
-    [ -x "$NODE_TOOLS/node_modules/.bin/tsc" ] && [ -x "$NODE_TOOLS/node_modules/.bin/vite" ] && [ -d "$NODE_TOOLS/node_modules/puppeteer-core" ] && return
+    [ -x "$NODE_TOOLS/node_modules/.bin/tsc" ] && [ -x "$NODE_TOOLS/node_modules/.bin/vite" ] && [ -d "$NODE_TOOLS/node_modules/three" ] &&
+        [ -x "$NODE_TOOLS/node_modules/.bin/esbuild" ] && [ -d "$NODE_TOOLS/node_modules/puppeteer-core" ] && return
     mkdir -p "$NODE_TOOLS" && cp bindings/js/tests/package.json "$NODE_TOOLS/" || return 1
-    (cd "$NODE_TOOLS" && npm install --no-audit --no-fund --ignore-scripts --no-package-lock) || { echo "npm cannot fetch typescript, vite and puppeteer-core"; exit 77; }
+    (cd "$NODE_TOOLS" && npm install --no-audit --no-fund --ignore-scripts --no-package-lock) || { echo "npm cannot fetch typescript, vite, esbuild, three and puppeteer-core"; exit 77; }
 }
 
 needs_tool() { # NAME
@@ -82,6 +83,25 @@ in_browser() {
     node bindings/js/tests/browser.mjs "$work/site"
 }
 
+page() {
+    needs_tool three
+    node bindings/js/build_page.mjs "$BITVOX_JS" "$work/page"
+}
+
+page_works() {
+    needs_tool puppeteer-core
+    command -v chromium >/dev/null 2>&1 || { echo "chromium is missing (make deps-js)"; exit 77; }
+    [ -n "${BITVOX:-}" ] || { echo "no program"; exit 77; }
+    rm -rf "$work/page_site" && cp -r "$work/page" "$work/page_site" || return 1
+    node bindings/js/tests/page.mjs "$work/page_site" "$BITVOX" fixtures/knot.ply "$work/page_files"
+}
+
+if [ "${1:-}" = page ]; then
+    (tools && page) || exit 1
+    echo "$work/page: $(ls "$work/page" | tr '\n' ' ')"
+    exit 0
+fi
+
 check 'js/size' small
 check 'js/npm package' installed
 count 'js/golden rows' node --test --test-reporter=tap bindings/js/tests/golden.test.mjs
@@ -93,4 +113,6 @@ check 'js/tools from npm' tools
 check 'js/types' types
 check 'js/sample for Vite' by_vite
 check 'js/samples in Chromium' in_browser
+check 'js/page' page
+count 'js/page in Chromium' page_works
 finish
