@@ -100,13 +100,14 @@ BVX_API const char *bvx_status_text(bvx_status status);
     X(BVX_REASON_SEVERAL_BODIES, 15, "the sections hold several bodies and no label chooses one")                \
     X(BVX_REASON_LOOPS_MEET, 16, "loops of a section cross or touch; mending splits them there")                 \
     X(BVX_REASON_LOOP_FLAT, 17, "a loop encloses no area; mending leaves it out")                                \
-    X(BVX_REASON_COMPRESSED, 18, "samples are compressed and nothing was given to unpack them")
+    X(BVX_REASON_COMPRESSED, 18, "samples are compressed and nothing was given to unpack them")                   \
+    X(BVX_REASON_RANGE, 19, "an option is outside its range")
 
 enum {
 #define BVX_REASON_ENUM(name, value, text) name = value,
     BVX_REASON_LIST(BVX_REASON_ENUM)
 #undef BVX_REASON_ENUM
-    BVX_REASON_COUNT = 19
+    BVX_REASON_COUNT = 20
 };
 
 /** The fixed text of a reason; "unknown reason" for any other number. Never NULL. */
@@ -142,17 +143,17 @@ enum { BVX_CPU_BEST = 0, BVX_CPU_PORTABLE = 1, BVX_CPU_AVX2 = 2 };
 typedef struct bvx_context_options {
     size_t struct_size;        /**< set by bvx_context_options_init */
     bvx_alloc_fn *alloc;       /**< [Default: the C library's heap; required in freestanding builds without arena] */
-    bvx_free_fn *free;         /**< given together with alloc */
-    void *alloc_user;          /**< first argument of alloc and free */
+    bvx_free_fn *free;         /**< given together with alloc [Default: NULL] */
+    void *alloc_user;          /**< first argument of alloc and free [Default: NULL] */
     void *arena;               /**< memory to live in: results grow from its low end, scratch from its high end [Default: NULL] */
-    uint64_t arena_size;       /**< [Units: bytes] */
-    uint64_t memory_limit;     /**< [Units: bytes] [Default: 0, none] */
+    uint64_t arena_size;       /**< [Units: bytes] [Limit: any] [Default: 0] */
+    uint64_t memory_limit;     /**< [Units: bytes] [Limit: any] [Default: 0, none] */
     bvx_parallel_fn *parallel; /**< the caller's own parallel-for [Default: the library's threads where built in] */
-    void *parallel_user;       /**< first argument of parallel */
+    void *parallel_user;       /**< first argument of parallel [Default: NULL] */
     bvx_progress_fn *progress; /**< [Default: NULL, never called] */
-    void *progress_user;       /**< first argument of progress */
+    void *progress_user;       /**< first argument of progress [Default: NULL] */
     int32_t threads;           /**< workers [Limit: 0..1024] [Default: 0, see below; 1 with a parallel of one's own] */
-    int32_t cpu;               /**< fastest code that may run, BVX_CPU_... [Default: BVX_CPU_BEST] */
+    int32_t cpu;               /**< fastest code that may run, BVX_CPU_... [Limit: 0..2] [Default: BVX_CPU_BEST] */
 } bvx_context_options;
 
 /** Threads are the context's own helpers of the calling thread. By default there are as many workers as processors that the
@@ -231,9 +232,9 @@ typedef struct bvx_window {
 
 typedef struct bvx_lattice_options {
     size_t struct_size;
-    int32_t resolution;         /**< voxels along the longest axis, cubic voxels [Default: 0, unset] */
-    int32_t axis_resolution[3]; /**< voxels along each axis, stretched voxels [Default: 0, unset] */
-    double spacing[3];          /**< edges of a voxel [Units: world] [Default: 0, unset] */
+    int32_t resolution;         /**< voxels along the longest axis, cubic voxels [Limit: 0..2^25] [Default: 0, unset] */
+    int32_t axis_resolution[3]; /**< voxels along each axis, stretched voxels [Limit: 0..2^25] [Default: 0, unset] */
+    double spacing[3];          /**< edges of a voxel [Units: world] [Limit: >= 0] [Default: 0, unset] */
     int32_t padding;            /**< empty voxels added on every side [Limit: 0..65536] [Default: 0] */
     int32_t reserved;
 } bvx_lattice_options;
@@ -666,14 +667,15 @@ typedef struct bvx_voxelize_options {
     int32_t close_gaps;       /**< flood: gaps of up to this many voxels are walls: voxels that no empty cube of close_gaps + 1 voxels a
                                    side holds. Past them the flood moves voxel by voxel, and may find a way where walls slant
                                    [Units: voxels] [Limit: 0..65535] [Default: 0] */
-    int32_t add_shell;        /**< 1: voxels of the conservative surface are set too; not for below [Default: 0] */
-    int32_t check_edges;      /**< 1: count the report's boundary_edges and flipped_edges [Default: 0] */
+    int32_t add_shell;        /**< 1: voxels of the conservative surface are set too; not for below [Limit: 0..1] [Default:
+                                   0] */
+    int32_t check_edges;      /**< 1: count the report's boundary_edges and flipped_edges [Limit: 0..1] [Default: 0] */
     int32_t axis;             /**< below: up is towards + along this axis [Limit: 0..2] [Default: 2] */
-    double base;              /**< below: the height from which columns are filled [Units: world] [Default: -infinity, all of
-                                   the lattice] */
+    double base;              /**< below: the height from which columns are filled [Units: world] [Limit: any] [Default:
+                                   -infinity, all of the lattice] */
     const bvx_mesh_view *second; /**< below: fill between mesh and this, where both exist [Default: NULL] */
     int32_t check_thin;       /**< look for walls that the voxels lose, for the report's thin_...: 0 never, 1 always (not for below), -1 in a
-                                   whole lattice with a report [Default: -1] */
+                                   whole lattice with a report [Limit: -1..1] [Default: -1] */
     int32_t reserved2;
 } bvx_voxelize_options;
 
@@ -763,7 +765,7 @@ typedef struct bvx_fill_comparison {
 
 typedef struct bvx_compare_fills_options {
     size_t struct_size;
-    int32_t close_gaps;    /**< as for bvx_voxelize_solid [Default: 0] */
+    int32_t close_gaps;    /**< as for bvx_voxelize_solid [Limit: 0..65535] [Default: 0] */
     int32_t reserved;
     bvx_grid *disagreeing; /**< receives the voxels counted there when not NULL; zeroed, or with words of the caller's [Default: NULL] */
     bvx_grid *lost;        /**< receives the voxels counted in lost_voxels when not NULL [Default: NULL] */
@@ -1012,11 +1014,12 @@ BVX_API bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_vie
 
 typedef struct bvx_morph_options {
     size_t struct_size;
-    int32_t neighbourhood; /**< 6: voxels across faces, 18: and edges, 26: and corners; 0: a ball [Default: 6] */
+    int32_t neighbourhood; /**< 6: voxels across faces, 18: and edges, 26: and corners; 0: a ball [Limit: 0, or 6, or 18, or
+                                26] [Default: 6] */
     int32_t steps;         /**< how many times the neighbourhood is applied; a ball takes 1 [Limit: 1..65536] [Default: 1] */
     double radius;         /**< of the ball: centres at most so far are in it, Euclidean, with 2^-40 of it to spare, so that 0.3
                                 reaches three voxels of 0.1 [Units: world] [Limit: >= 0] [Default: 0] */
-    int32_t beyond;        /**< what lies beyond the window: 0 empty, 1 set voxels [Default: 0] */
+    int32_t beyond;        /**< what lies beyond the window: 0 empty, 1 set voxels [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_morph_options;
 
@@ -1061,14 +1064,16 @@ typedef struct bvx_hollow_report {
 
 typedef struct bvx_hollow_options {
     size_t struct_size;
-    double thickness;     /**< of the shell that stays: set voxels whose nearest empty centre is at most so far, with 2^-40 to
-                               spare [Units: world] [Limit: a voxel or more along every axis] [Default: 0, must be set] */
-    double drain_radius;  /**< of a round hole through the shell; 0: none [Units: world] [Default: 0] */
-    int32_t drain_side;   /**< the side that it comes from, BVX_OPEN_... [Default: BVX_OPEN_Z_LOW] */
-    int32_t drain_placed; /**< 1: the hole's axis goes through drain_at; 0: through the middle of the hollow's layer nearest to that
-                               side, or the voxel of the layer nearest to it [Default: 0] */
-    double drain_at[2];   /**< the other two coordinates, x before y before z [Units: world] */
-    int32_t beyond;       /**< what lies beyond the window: 0 empty, 1 set voxels [Default: 0] */
+    double thickness;     /**< of the shell that stays: set voxels whose nearest empty centre is at most so far, with 2^-40
+                               to spare [Units: world] [Limit: any; a voxel or more along every axis] [Default: 0, must be
+                               set] */
+    double drain_radius;  /**< of a round hole through the shell; 0: none [Units: world] [Limit: >= 0] [Default: 0] */
+    int32_t drain_side;   /**< the side that it comes from, BVX_OPEN_... [Limit: 1, or 2, or 4, or 8, or 16, or 32]
+                               [Default: BVX_OPEN_Z_LOW] */
+    int32_t drain_placed; /**< 1: the hole's axis goes through drain_at; 0: through the middle of the hollow's layer nearest
+                               to that side, or the voxel of the layer nearest to it [Limit: 0..1] [Default: 0] */
+    double drain_at[2];   /**< the other two coordinates, x before y before z [Units: world] [Limit: any] [Default: 0] */
+    int32_t beyond;       /**< what lies beyond the window: 0 empty, 1 set voxels [Limit: 0..1] [Default: 0] */
     int32_t reserved;
     bvx_hollow_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_hollow_options;
@@ -1196,7 +1201,7 @@ typedef struct bvx_octree_level {
 
 typedef struct bvx_refine_options {
     size_t struct_size;
-    int32_t levels;      /**< how many times voxels are halved [Limit: 0..25, dims * 2^levels <= 2^25] [Default: 6] */
+    int32_t levels;      /**< how many times voxels are halved [Limit: 0..25; dims * 2^levels up to 2^25] [Default: 6] */
     int32_t start_level; /**< levels up to this one come from one grid of it, later ones from their parents' triangles; shows in
                               time and memory only [Limit: -1..levels] [Default: -1, chosen by size] */
     bvx_window window;   /**< voxels of the last level: from outer_levels on voxels are halved where they meet it alone
@@ -1353,8 +1358,8 @@ typedef struct bvx_points_report {
 typedef struct bvx_points_options {
     size_t struct_size;
     int32_t minimum;           /**< points that a voxel needs to be set [Limit: 1..2^31-1] [Default: 1] */
-    int32_t body;              /**< 1: what a flood from outside cannot reach through faces of voxels is set too; the whole lattice
-                                    only [Default: 0] */
+    int32_t body;              /**< 1: what a flood from outside cannot reach through faces of voxels is set too; the whole
+                                    lattice only [Limit: 0..1] [Default: 0] */
     int32_t close_gaps;        /**< body: gaps of up to this many voxels hold the flood, which is to say: it moves as a cube of
                                     close_gaps + 1 voxels a side, and all that this cube reaches is outside [Units: voxels]
                                     [Limit: 0..65535] [Default: 0] */
@@ -1418,14 +1423,14 @@ typedef struct bvx_keep_report {
 
 typedef struct bvx_keep_options {
     size_t struct_size;
-    int32_t connectivity;    /**< 6, 18 or 26 [Default: 6] */
+    int32_t connectivity;    /**< 6, 18 or 26 [Limit: 6, or 18, or 26] [Default: 6] */
     int32_t reserved;
-    uint64_t at_least;       /**< parts of fewer voxels are dropped [Default: 0, none is] */
+    uint64_t at_least;       /**< parts of fewer voxels are dropped [Limit: any] [Default: 0, none is] */
     const int32_t *seeds;    /**< voxels of the window, x y z each; parts that hold none of them are dropped (a seed on an empty
                                   voxel says nothing) [Size: seed_count * 3] [Default: NULL] */
-    uint64_t seed_count;     /**< [Default: 0, seeds are not looked at] */
-    uint64_t largest;        /**< of what is left then, so many of the largest are kept, of equal ones those with the lesser first
-                                  voxel [Default: 0, all] */
+    uint64_t seed_count;     /**< [Limit: any] [Default: 0, seeds are not looked at] */
+    uint64_t largest;        /**< of what is left then, so many of the largest are kept, of equal ones those with the lesser
+                                  first voxel [Limit: any] [Default: 0, all] */
     bvx_keep_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_keep_options;
 
@@ -1498,10 +1503,11 @@ enum {
 typedef struct bvx_extract_options {
     size_t struct_size;
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
-    int32_t open_sides;    /**< BVX_OPEN_... [Default: 0, beyond the window counts as empty] */
-    int32_t keys;          /**< 1: fill vertex_keys and triangle_keys [Limit: dims < 2^20] [Default: 0] */
-    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
+    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t open_sides;    /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window counts as empty] */
+    int32_t keys;          /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
+    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Limit: 0..1] [Default:
+                                0] */
     int32_t reserved;
 } bvx_extract_options;
 
@@ -1529,9 +1535,10 @@ BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *gri
 
 typedef struct bvx_faces_options {
     size_t struct_size;
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
-    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
-    int32_t merged;        /**< 1: faces of one plane and side are merged into rectangles [Default: 0] */
+    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Limit: 0..1] [Default:
+                                0] */
+    int32_t merged;        /**< 1: faces of one plane and side are merged into rectangles [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_faces_options;
 
@@ -1628,13 +1635,14 @@ BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *vo
 
 typedef struct bvx_scalar_options {
     size_t struct_size;
-    double level;              /**< value of the surface [Limit: not NaN] [Default: 0] */
-    int32_t below;             /**< inside is where 0: sample >= level, 1: sample <= level [Default: 0] */
+    double level;              /**< value of the surface [Limit: any; not NaN] [Default: 0] */
+    int32_t below;             /**< inside is where 0: sample >= level, 1: sample <= level [Limit: 0..1] [Default: 0] */
     int32_t face_rule;         /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type;     /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
-    int32_t open_sides;        /**< BVX_OPEN_... [Default: 0, beyond the window is outside] */
-    int32_t keys;              /**< 1: fill vertex_keys and triangle_keys [Limit: dims < 2^20] [Default: 0] */
-    int32_t local_frame;       /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
+    int32_t position_type;     /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t open_sides;        /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is outside] */
+    int32_t keys;              /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
+    int32_t local_frame;       /**< 1: positions relative to the lattice's origin, which goes to frame [Limit: 0..1]
+                                    [Default: 0] */
     bvx_volume_report *report; /**< receives counts when not NULL [Default: NULL] */
     uint64_t reserved[2];
 } bvx_scalar_options;
@@ -1696,16 +1704,17 @@ typedef int32_t bvx_inflate_fn(void *user, const void *packed, uint64_t packed_s
 typedef struct bvx_read_volume_options {
     size_t struct_size;
     const void *data;        /**< NRRD with a detached head: the bytes of its data files, one behind the other [Default: NULL] */
-    uint64_t data_size;      /**< [Units: bytes] */
+    uint64_t data_size;      /**< [Units: bytes] [Limit: any] [Default: 0] */
     bvx_inflate_fn *inflate; /**< NRRD of encoding gzip [Default: NULL, refused] */
-    void *inflate_user;      /**< first argument of inflate */
-    int32_t sample_type;     /**< RAW: BVX_SAMPLE_... */
-    int32_t big_endian;      /**< RAW: 1: the highest byte first [Default: 0] */
-    int32_t size[3];         /**< RAW: samples along each axis, x fastest [Units: voxels] */
+    void *inflate_user;      /**< first argument of inflate [Default: NULL] */
+    int32_t sample_type;     /**< RAW: BVX_SAMPLE_... [Limit: any; RAW: 1..10] [Default: 0] */
+    int32_t big_endian;      /**< RAW: 1: the highest byte first [Limit: 0..1] [Default: 0] */
+    int32_t size[3];         /**< RAW: samples along each axis, x fastest [Units: voxels] [Limit: any] [Default: 0] */
     int32_t reserved0;
-    uint64_t offset;         /**< RAW: bytes before the first sample; what stands behind the last is left alone [Default: 0] */
-    double origin[3];        /**< RAW: low corner of the first voxel [Units: world] [Default: 0, 0, 0] */
-    double spacing[3];       /**< RAW: [Units: world] [Default: 1, 1, 1] */
+    uint64_t offset;         /**< RAW: bytes before the first sample; what stands behind the last is left alone [Limit: any]
+                                  [Default: 0] */
+    double origin[3];        /**< RAW: low corner of the first voxel [Units: world] [Limit: any] [Default: 0, 0, 0] */
+    double spacing[3];       /**< RAW: [Units: world] [Limit: any] [Default: 1, 1, 1] */
     uint64_t reserved[2];
 } bvx_read_volume_options;
 
@@ -1798,12 +1807,13 @@ BVX_API void bvx_field_free(bvx_context *context, bvx_field *field);
 
 typedef struct bvx_field_options {
     size_t struct_size;
-    double half_width;   /**< of the band, Euclidean [Units: largest spacings] [Limit: > 0; infinity: all centres] [Default: 3] */
+    double half_width;   /**< of the band, Euclidean [Units: largest spacings] [Limit: > 0; infinity: all centres] [Default:
+                              3] */
     int32_t sign;        /**< BVX_SIGN_... [Default: BVX_SIGN_AUTO] */
-    int32_t value_type;  /**< BVX_F32 (spacings of 2^-100 to 2^100) or BVX_F64 [Default: BVX_F32] */
+    int32_t value_type;  /**< BVX_F32 (spacings of 2^-100 to 2^100) or BVX_F64 [Limit: 1..2] [Default: BVX_F32] */
     bvx_window window;   /**< [Default: all zero, the whole lattice] */
-    int32_t no_vectors;  /**< 1: vectors stay NULL [Default: 0] */
-    int32_t features;    /**< 1: fill triangles and features [Default: 0] */
+    int32_t no_vectors;  /**< 1: vectors stay NULL [Limit: 0..1] [Default: 0] */
+    int32_t features;    /**< 1: fill triangles and features [Limit: 0..1] [Default: 0] */
     uint64_t reserved[2];
 } bvx_field_options;
 
@@ -1900,10 +1910,12 @@ typedef struct bvx_field_surface_options {
     size_t struct_size;
     int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT, nearest to the mesh where measured] */
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
-    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Default: 0] */
-    int32_t sharp;         /**< 1: cells on sharp edges and corners get a vertex there, and cuts move to the closest triangles'
-                                planes where the field has triangles and the mesh is given [Default: 0] */
+    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t local_frame;   /**< 1: positions relative to the lattice's origin, which goes to frame [Limit: 0..1] [Default:
+                                0] */
+    int32_t sharp;         /**< 1: cells on sharp edges and corners get a vertex there, and cuts move to the closest
+                                triangles' planes where the field has triangles and the mesh is given [Limit: 0..1]
+                                [Default: 0] */
     int32_t reserved;
     double sharp_angle;    /**< sharp: facets that meet at less than this are smooth [Units: cosine of the angle between their
                                 normals] [Limit: -1..1] [Default: 0.8] */
@@ -1981,19 +1993,22 @@ typedef struct bvx_boolean_options {
     const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution with padding of 1 voxel: of a difference to a, of an
                                      intersection to the box that both have in common, else to both] */
     int32_t resolution;         /**< voxels along the longest axis of that box [Limit: 1..2^24] [Default: 256] */
-    int32_t fill;               /**< what is inside a mesh: BVX_FILL_AUTO, PARITY, NONZERO, VOTE or WINDING [Default: BVX_FILL_AUTO] */
+    int32_t fill;               /**< what is inside a mesh: BVX_FILL_AUTO, PARITY, NONZERO, VOTE or WINDING [Limit:
+                                     BVX_FILLS_OF_BOOLEAN] [Default: BVX_FILL_AUTO] */
     int32_t interpolation;      /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
     int32_t face_rule;          /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t sharp;              /**< 1: sharp edges of the meshes, and those where they meet, as in bvx_extract_field_surface; 0: none; -1: where one
-                                     of the meshes has them, as in bvx_repair_options [Default: -1] */
-    int32_t position_type;      /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
-    int32_t local_frame;        /**< as for bvx_extract_field_surface [Default: 0] */
-    int32_t keep_crumbs;        /**< 1: small parts and pockets that neither mesh has a part for stay, as in bvx_repair_options [Default: 0] */
+    int32_t sharp;              /**< 1: sharp edges of the meshes, and those where they meet, as in
+                                     bvx_extract_field_surface; 0: none; -1: where one of the meshes has them, as in
+                                     bvx_repair_options [Limit: -1..1] [Default: -1] */
+    int32_t position_type;      /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t local_frame;        /**< as for bvx_extract_field_surface [Limit: 0..1] [Default: 0] */
+    int32_t keep_crumbs;        /**< 1: small parts and pockets that neither mesh has a part for stay, as in
+                                     bvx_repair_options [Limit: 0..1] [Default: 0] */
     bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
-    uint64_t least_part;        /**< parts of fewer voxels are dropped [Default: 0] */
+    uint64_t least_part;        /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
     uint64_t reserved[1];
     int32_t thin;               /**< walls of the meshes that the lattice loses: BVX_THIN_KEEP (of b in a difference: slots) or BVX_THIN_DROP
-                                     [Default: BVX_THIN_KEEP] */
+                                     [Limit: 1..2] [Default: BVX_THIN_KEEP] */
     int32_t reserved1;
 } bvx_boolean_options;
 
@@ -2052,14 +2067,16 @@ typedef struct bvx_lod_options {
     size_t struct_size;
     int32_t method;                    /**< BVX_LOD_... [Default: BVX_LOD_EDGE_RATIO, nearer to the original where measured] */
     int32_t edge_samples;              /**< steps along an edge, edge ratio only [Limit: 0..65536] [Default: 0, the ratio rounded up] */
-    double threshold;                  /**< inside means above it [Limit: > 0, < 1, kept to 2^-16] [Default: 0.5] */
+    double threshold;                  /**< inside means above it [Limit: > 0, < 1; kept to 2^-16] [Default: 0.5] */
     const int32_t *resolutions;        /**< samples along the longest axis of each level [Size: level_count] [Default: NULL] */
     const int32_t *axis_resolutions;   /**< samples along x, y, z of each level [Size: level_count * 3] [Default: NULL] */
     const uint64_t *target_triangles;  /**< most triangles of each level [Size: level_count] [Default: NULL] */
-    uint64_t source_triangles;         /**< triangles of the mesh behind the grid, for exceeds_source [Default: 0, unknown] */
+    uint64_t source_triangles;         /**< triangles of the mesh behind the grid, for exceeds_source [Limit: any] [Default:
+                                            0, unknown] */
     int32_t face_rule;                 /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type;             /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
-    int32_t local_frame;               /**< 1: positions relative to the grid's low corner, which goes to frame [Default: 0] */
+    int32_t position_type;             /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t local_frame;               /**< 1: positions relative to the grid's low corner, which goes to frame [Limit:
+                                            0..1] [Default: 0] */
     int32_t first_level;               /**< number of levels[0] in messages, where a chain is made one level a call [Limit: >= 0] [Default: 0] */
     double collapse;                   /**< target_triangles only: make the level with up to this many times its target, then
                                             collapse the edges that cost least [Limit: 0, or 1..64] [Default: 0, no collapse] */
@@ -2218,21 +2235,22 @@ typedef struct bvx_sections_report {
 
 typedef struct bvx_sections_options {
     size_t struct_size;
-    int32_t grid[2];       /**< cells along the plane's two axes, both or none [Limit: 2..8192] [Default: 0, 0] */
-    double spacing;        /**< side of a square cell [Units: world] [Default: 0; with no grid either: twice the mean length of the
-                                contours' segments, 16 to 512 cells along the longer side] */
+    int32_t grid[2];       /**< cells along the plane's two axes, both or none [Limit: 0, or 2..8192] [Default: 0, 0] */
+    double spacing;        /**< side of a square cell [Units: world] [Limit: >= 0] [Default: 0; with no grid either: twice
+                                the mean length of the contours' segments, 16 to 512 cells along the longer side] */
     int32_t layers;        /**< cells from section to section [Limit: 1..64] [Default: 1] */
     int32_t caps;          /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
     int32_t crossings;     /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
     int32_t depth;         /**< a cell is halved at most this often [Limit: 0..8] [Default: 5] */
-    int32_t label;         /**< the body [Default: BVX_LABEL_ONLY, the only one there is] */
-    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which BVX_POSITION_AUTO is too: contours' points are
-                                doubles and are kept [Default: BVX_F64] */
+    int32_t label;         /**< the body [Limit: any] [Default: BVX_LABEL_ONLY, the only one there is] */
+    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which BVX_POSITION_AUTO is too: contours'
+                                points are doubles and are kept [Limit: 0..2] [Default: BVX_F64] */
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
     int32_t nesting;       /**< BVX_NESTING_... [Default: BVX_NESTING_LEVELS] */
-    int32_t mend;          /**< 1: loops that touch or cross themselves or each other are split there; inside stays what an odd
-                                number of loops enclose. Slits (a hole joined to its outline), spikes and borders that two loops
-                                have in common go, with points that lie on nothing else [Default: 0, they are refused] */
+    int32_t mend;          /**< 1: loops that touch or cross themselves or each other are split there; inside stays what an
+                                odd number of loops enclose. Slits (a hole joined to its outline), spikes and borders that
+                                two loops have in common go, with points that lie on nothing else [Limit: 0..1] [Default: 0,
+                                they are refused] */
 } bvx_sections_options;
 
 BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);
@@ -2270,11 +2288,12 @@ BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *
 
 typedef struct bvx_slice_options {
     size_t struct_size;
-    double normal[3];        /**< of the planes, any length but 0 [Default: 0, 0, 1] */
-    double spacing;          /**< from plane to plane; the first lies half a spacing above the lowest point [Units: world] [Default: 0] */
+    double normal[3];        /**< of the planes, any length but 0 [Limit: any] [Default: 0, 0, 1] */
+    double spacing;          /**< from plane to plane; the first lies half a spacing above the lowest point [Units: world]
+                                  [Limit: >= 0] [Default: 0] */
     const double *positions; /**< the planes instead: point . normal / |normal|, ascending [Size: position_count] [Default: NULL] */
-    uint64_t position_count; /**< [Limit: 1..2^20] */
-    int32_t label;           /**< of all loops [Default: 1] */
+    uint64_t position_count; /**< [Limit: any; with positions 1..2^20] [Default: 0] */
+    int32_t label;           /**< of all loops [Limit: -2147483647..2147483647] [Default: 1] */
     int32_t reserved;
 } bvx_slice_options;
 
@@ -2358,29 +2377,34 @@ typedef struct bvx_repair_options {
     size_t struct_size;
     const bvx_lattice *lattice;  /**< to work on [Default: NULL, fitted by resolution with padding of 2 voxels and half a shell] */
     int32_t resolution;          /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256] */
-    int32_t sign;                /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Default: BVX_SIGN_AUTO: WINDING, flipped triangles turned
-                                      before, or VOTE where they cannot be oriented] */
+    int32_t sign;                /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Limit: BVX_SIGNS_OF_REPAIR] [Default:
+                                      BVX_SIGN_AUTO: WINDING, flipped triangles turned before, or VOTE where they cannot be
+                                      oriented] */
     int32_t interpolation;       /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
     int32_t face_rule;           /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t sharp;               /**< vertices on sharp edges and corners, as for bvx_extract_field_surface: 0 never, 1 always, -1 where a
-                                      tenth of the mesh's edges are sharp (by 40 degrees), or a hundredth and at most half as many bent
-                                      (by 15), by length, as in machine parts [Default: -1] */
-    int32_t position_type;       /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Default: BVX_F32] */
-    int32_t local_frame;         /**< as for bvx_extract_field_surface [Default: 0] */
-    int32_t measure;             /**< 1: fill the report's distances, from measure_samples points a side [Default: 0] */
-    double shell;                /**< thickness that open sheets are given [Units: largest spacings] [Limit: 0: none are made; else
-                                      >= 1.5] [Default: 2] */
-    uint64_t least_part;         /**< pieces of fewer voxels are dropped [Default: 0] */
-    uint64_t least_cavity;       /**< cavities of fewer voxels are filled [Default: 0] */
-    uint64_t target_triangles;   /**< the largest resolution, up to resolution, that a bisection finds not to exceed it [Default: 0, none] */
-    uint64_t measure_samples;    /**< [Limit: 1..2^31-1] [Default: 100000] */
-    bvx_repair_report *report;   /**< receives what was found and done when not NULL [Default: NULL] */
-    int32_t keep_crumbs;         /**< 1: small parts and pockets that are not in the mesh stay: those of at most 64 voxels or a thousandth of
-                                      all, without a voxel that has its six neighbours, beside a larger part of the same piece of the
-                                      mesh, as acute edges and narrow grooves leave them [Default: 0, they are dropped and filled] */
-    int32_t if_needed;           /**< 1: a mesh that needs nothing (the report's needs) is copied: the same positions and triangles, vertices
-                                      at one position once, in its own position_type and without a frame, whatever the other options are
+    int32_t sharp;               /**< vertices on sharp edges and corners, as for bvx_extract_field_surface: 0 never, 1
+                                      always, -1 where a tenth of the mesh's edges are sharp (by 40 degrees), or a hundredth
+                                      and at most half as many bent (by 15), by length, as in machine parts [Limit: -1..1]
+                                      [Default: -1] */
+    int32_t position_type;       /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t local_frame;         /**< as for bvx_extract_field_surface [Limit: 0..1] [Default: 0] */
+    int32_t measure;             /**< 1: fill the report's distances, from measure_samples points a side [Limit: 0..1]
                                       [Default: 0] */
+    double shell;                /**< thickness that open sheets are given [Units: largest spacings] [Limit: 0, or
+                                      1.5..10^6; 0: none are made] [Default: 2] */
+    uint64_t least_part;         /**< pieces of fewer voxels are dropped [Limit: any] [Default: 0] */
+    uint64_t least_cavity;       /**< cavities of fewer voxels are filled [Limit: any] [Default: 0] */
+    uint64_t target_triangles;   /**< the largest resolution, up to resolution, that a bisection finds not to exceed it
+                                      [Limit: any] [Default: 0, none] */
+    uint64_t measure_samples;    /**< [Limit: any; with measure 1..2^31-1] [Default: 100000] */
+    bvx_repair_report *report;   /**< receives what was found and done when not NULL [Default: NULL] */
+    int32_t keep_crumbs;         /**< 1: small parts and pockets that are not in the mesh stay: those of at most 64 voxels
+                                      or a thousandth of all, without a voxel that has its six neighbours, beside a larger
+                                      part of the same piece of the mesh, as acute edges and narrow grooves leave them
+                                      [Limit: 0..1] [Default: 0, they are dropped and filled] */
+    int32_t if_needed;           /**< 1: a mesh that needs nothing (the report's needs) is copied: the same positions and
+                                      triangles, vertices at one position once, in its own position_type and without a
+                                      frame, whatever the other options are [Limit: 0..1] [Default: 0] */
     int32_t thin;                /**< walls of bodies that the lattice loses: BVX_THIN_... [Default: BVX_THIN_KEEP] */
     int32_t reserved0;
     uint64_t reserved[1];
@@ -2466,12 +2490,15 @@ typedef struct bvx_simplify_options {
     const uint64_t *target_triangles; /**< most triangles of each level [Size: level_count] [Default: NULL] */
     const double *target_errors;      /**< largest error of each level [Units: world] [Limit: > 0] [Size: level_count] [Default: NULL; with
                                            neither, each level has half of the triangles of the one before, the first half of the mesh's] */
-    int32_t error_kind;               /**< of target_errors: BVX_ERROR_MEAN or BVX_ERROR_MAX [Default: BVX_ERROR_MEAN] */
-    int32_t position_type;            /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO, the mesh's own [Default: BVX_POSITION_AUTO] */
+    int32_t error_kind;               /**< of target_errors: BVX_ERROR_MEAN or BVX_ERROR_MAX [Limit: 0..1] [Default:
+                                           BVX_ERROR_MEAN] */
+    int32_t position_type;            /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO, the mesh's own [Limit: 0..2] [Default:
+                                           BVX_POSITION_AUTO] */
     double even;                      /**< pull towards triangles of even size where the surface is flat [Limit: 0..1] [Default: 1e-9] */
-    uint64_t measure_samples;         /**< points a side for each report's distances [Limit: 0: not measured, or 1..2^31-1] [Default: 0; target_errors
-                                           measure with 20000 where none are given] */
-    int32_t strict;                   /**< 1: a target that cannot be kept is an error [Default: 0, the smallest mesh, met 0] */
+    uint64_t measure_samples;         /**< points a side for each report's distances [Limit: 0..2^31-1; 0: not measured]
+                                           [Default: 0; target_errors measure with 20000 where none are given] */
+    int32_t strict;                   /**< 1: a target that cannot be kept is an error [Limit: 0..1] [Default: 0, the
+                                           smallest mesh, met 0] */
     int32_t open;                     /**< BVX_OPEN_...: may the mesh have borders? [Default: BVX_OPEN_KEEP] */
     bvx_level_report *reports;        /**< [Size: level_count] filled when not NULL [Default: NULL] */
     double colour_weight;             /**< of the view's colours: a place whose colour is off by 255 in one channel costs as much as one
@@ -2562,33 +2589,37 @@ typedef struct bvx_levels_report {
 
 typedef struct bvx_levels_options {
     size_t struct_size;
-    const uint64_t *target_triangles; /**< as in bvx_simplify_options; halving starts from the input's triangles */
-    const double *target_errors;      /**< as in bvx_simplify_options */
-    int32_t error_kind;               /**< as in bvx_simplify_options */
-    int32_t position_type;            /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO: the type of a mesh that is simplified as it is; of
-                                           a measured surface f32 where it holds, else f64 [Default: BVX_POSITION_AUTO] */
-    double even;                      /**< as in bvx_simplify_options [Default: 1e-9] */
-    uint64_t measure_samples;         /**< as in bvx_simplify_options [Default: 0] */
-    int32_t strict;                   /**< as in bvx_simplify_options [Default: 0] */
+    const uint64_t *target_triangles; /**< as in bvx_simplify_options; halving starts from the input's triangles [Default:
+                                           NULL] */
+    const double *target_errors;      /**< as in bvx_simplify_options [Default: NULL] */
+    int32_t error_kind;               /**< as in bvx_simplify_options [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
+    int32_t position_type;            /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO: the type of a mesh that is simplified as
+                                           it is; of a measured surface f32 where it holds, else f64 [Limit: 0..2] [Default:
+                                           BVX_POSITION_AUTO] */
+    double even;                      /**< as in bvx_simplify_options [Limit: 0..1] [Default: 1e-9] */
+    uint64_t measure_samples;         /**< as in bvx_simplify_options [Limit: 0..2^31-1] [Default: 0] */
+    int32_t strict;                   /**< as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
     int32_t source;                   /**< BVX_LEVELS_... [Default: BVX_LEVELS_AUTO; MEASURED where a lattice, a resolution, a
                                            sign, least_part, least_cavity or outer is given] */
     const bvx_lattice *lattice;       /**< measured: to measure on [Default: NULL, fitted by resolution] */
     int32_t resolution;               /**< measured: voxels along the longest axis [Limit: 0..2^24] [Default: 0, as many as the finest level
                                            needs, bvx_plan_levels] */
-    int32_t sign;                     /**< measured: as in bvx_repair_options [Default: BVX_SIGN_AUTO] */
-    int32_t sharp;                    /**< measured: 0 never, 1 always, -1 where many of the mesh's edges are sharp [Default: -1] */
-    int32_t outer;                    /**< measured: 1: inner shells and cavities go [Default: 0] */
-    double shell;                     /**< measured: as in bvx_repair_options [Default: 2] */
-    uint64_t least_part;              /**< measured: pieces of fewer voxels are dropped [Default: 0] */
-    uint64_t least_cavity;            /**< measured: cavities of fewer voxels are filled [Default: 0] */
+    int32_t sign;                     /**< measured: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
+                                           BVX_SIGN_AUTO] */
+    int32_t sharp;                    /**< measured: 0 never, 1 always, -1 where many of the mesh's edges are sharp [Limit:
+                                           -1..1] [Default: -1] */
+    int32_t outer;                    /**< measured: 1: inner shells and cavities go [Limit: 0..1] [Default: 0] */
+    double shell;                     /**< measured: as in bvx_repair_options [Limit: 0, or 1.5..10^6] [Default: 2] */
+    uint64_t least_part;              /**< measured: pieces of fewer voxels are dropped [Limit: any] [Default: 0] */
+    uint64_t least_cavity;            /**< measured: cavities of fewer voxels are filled [Limit: any] [Default: 0] */
     bvx_levels_report *report;        /**< receives what was found and done when not NULL [Default: NULL] */
     bvx_level_report *reports;        /**< [Size: level_count] filled when not NULL [Default: NULL] */
     int32_t open;                     /**< BVX_OPEN_...: KEEP and CUT make levels with borders from a mesh with borders, where it can be
                                            taken as it is, also one that crosses itself, without options that only a measured
                                            surface can follow [Default: BVX_OPEN_SHELL] */
     int32_t reserved0;
-    double colour_weight;             /**< as in bvx_simplify_options; of a measured surface by the colours of the nearest points
-                                           [Default: 0] */
+    double colour_weight;             /**< as in bvx_simplify_options; of a measured surface by the colours of the nearest
+                                           points [Limit: 0..1] [Default: 0] */
     uint64_t reserved[2];
 } bvx_levels_options;
 
@@ -2743,8 +2774,8 @@ typedef struct bvx_write_options {
     size_t struct_size;
     int32_t normals;  /**< 1: PLY and OBJ get normals of vertices too; GLB always has them, STL and OFF are refused
                            [Limit: 0..1] [Default: 0] */
-    int32_t rounding; /**< what becomes of a mesh that the format's 32-bit floats would spoil, BVX_ROUNDING_...
-                           [Default: BVX_ROUNDING_REFUSE] */
+    int32_t rounding; /**< what becomes of a mesh that the format's 32-bit floats would spoil, BVX_ROUNDING_... [Limit:
+                           0..1] [Default: BVX_ROUNDING_REFUSE] */
 } bvx_write_options;
 
 BVX_API void bvx_write_options_init(bvx_write_options *options, size_t size);
@@ -2895,8 +2926,8 @@ BVX_API bvx_status bvx_write_slices(bvx_context *context, const bvx_grid *part, 
 
 typedef struct bvx_read_sections_options {
     size_t struct_size;
-    double close_gap;  /**< CSV: loops whose first and last points lie further apart than this are refused as open polylines; 0 closes
-                            all of them by a straight side [Units: world] [Limit: 0 and more] [Default: 0] */
+    double close_gap;  /**< CSV: loops whose first and last points lie further apart than this are refused as open
+                            polylines; 0 closes all of them by a straight side [Units: world] [Limit: >= 0] [Default: 0] */
     uint64_t reserved;
 } bvx_read_sections_options;
 
@@ -2937,19 +2968,22 @@ BVX_API void bvx_image_free(bvx_context *context, bvx_image *image);
 typedef struct bvx_render_options {
     size_t struct_size;
     int32_t width, height;  /**< [Units: pixels] [Limit: 1..16384] [Default: 1024, 768] */
-    double direction[3];    /**< from the model towards the eye [Default: 3, -4, 2] */
-    double up[3];           /**< what is up in the picture [Default: 0, 0, 1] */
-    uint8_t colour[4];      /**< of the surface: red, green, blue, 0 [Default: 200, 196, 188] */
-    uint8_t background[4];  /**< [Default: 255, 255, 255] */
-    int32_t smooth;         /**< 1: normals averaged at vertices, 0: of each facet [Default: 0] */
+    double direction[3];    /**< from the model towards the eye [Limit: any] [Default: 3, -4, 2] */
+    double up[3];           /**< what is up in the picture [Limit: any] [Default: 0, 0, 1] */
+    uint8_t colour[4];      /**< of the surface: red, green, blue, 0 [Limit: any] [Default: 200, 196, 188] */
+    uint8_t background[4];  /**< [Limit: any] [Default: 255, 255, 255] */
+    int32_t smooth;         /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
     int32_t samples;        /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
-    int32_t wireframe;      /**< 1: the edges of triangles (grids: of voxels) drawn over the surface [Default: 0] */
+    int32_t wireframe;      /**< 1: the edges of triangles (grids: of voxels) drawn over the surface [Limit: 0..1] [Default:
+                                 0] */
     int32_t reserved;
-    double cut_low[3];      /**< what lies below along an axis is taken away [Units: world] [Default: -infinity] */
-    double cut_high[3];     /**< what lies above is taken away; grids are cut to whole voxels [Default: infinity] */
-    double show[2];         /**< the frame shows at least so much on either side of the middle of the model's bounds, along its
-                                 width and its height, so that pictures from several sides have one scale [Units: world]
-                                 [Limit: 0 and more, finite] [Default: 0, 0: the model fills the frame] */
+    double cut_low[3];      /**< what lies below along an axis is taken away [Units: world] [Limit: any] [Default:
+                                 -infinity] */
+    double cut_high[3];     /**< what lies above is taken away; grids are cut to whole voxels [Limit: any] [Default:
+                                 infinity] */
+    double show[2];         /**< the frame shows at least so much on either side of the middle of the model's bounds, along
+                                 its width and its height, so that pictures from several sides have one scale [Units: world]
+                                 [Limit: >= 0; finite] [Default: 0, 0: the model fills the frame] */
 } bvx_render_options;
 
 BVX_API void bvx_render_options_init(bvx_render_options *options, size_t size);

@@ -135,6 +135,41 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
 /* Fill *options of the caller's size from the defaults. */
 void bvxi_give_options(void *options, size_t size, const void *defaults, size_t default_size);
 
+/* What a field of an option struct may be, as the header says: one row each. A test holds the two together. */
+typedef struct bvxi_option {
+    const char *name;
+    size_t at, size;
+    int32_t kind;
+    double low, high;
+} bvxi_option;
+
+enum {
+    BVXI_IS_WHOLE,     /* int32_t, low to high */
+    BVXI_IS_CHOICE,    /* the same, names of values */
+    BVXI_IS_AMONG,     /* int32_t, those whose bit is in low */
+    BVXI_IS_COUNT,     /* uint64_t, low to high */
+    BVXI_IS_REAL,      /* double, low to high, both allowed */
+    BVXI_IS_ABOVE,     /* double, above low, and finite unless high is 0 */
+    BVXI_IS_ZERO_OR,   /* double, 0 or low to high */
+    BVXI_IS_RESERVED   /* zero bytes */
+};
+
+#define BVXI_OPTION(type, field, kind, low, high) {#field, offsetof(type, field), sizeof(((type *)0)->field), kind, low, high}
+#define BVXI_WHOLE(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_WHOLE, low, high)
+#define BVXI_SWITCH(type, field) BVXI_OPTION(type, field, BVXI_IS_WHOLE, 0, 1)
+#define BVXI_CHOICE(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_CHOICE, low, high)
+#define BVXI_AMONG(type, field, bits) BVXI_OPTION(type, field, BVXI_IS_AMONG, bits, 0)
+#define BVXI_COUNT(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_COUNT, low, high)
+#define BVXI_REAL(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_REAL, low, high)
+#define BVXI_ABOVE(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_ABOVE, low, high)
+#define BVXI_ZERO_OR(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_ZERO_OR, low, high)
+#define BVXI_RESERVED(type, field) BVXI_OPTION(type, field, BVXI_IS_RESERVED, 0, 0)
+#define BVXI_OPTIONS(rows) rows, sizeof(rows) / sizeof((rows)[0])
+#define BVXI_FINITE 1.7976931348623157e308 /* the largest double */
+
+/* Refuse the first field that its row does not allow, by its name. */
+bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void *options, const bvxi_option *rows, size_t count);
+
 /* What a freestanding build has no library for: the length of a text, and the first byte equal to wanted (or end). */
 static inline size_t bvxi_text_length(const char *text)
 {

@@ -1,4 +1,4 @@
-/* options.c - option structs whose size tells their age.
+/* options.c - option structs whose size tells their age, and the ranges of their fields.
  *
  * A caller older than the library gives a shorter struct: what it lacks keeps its default. A newer caller gives a
  * longer one: what the library does not know must be zero, so that no option is silently ignored. */
@@ -26,4 +26,88 @@ void bvxi_give_options(void *options, size_t size, const void *defaults, size_t 
     memset(options, 0, size);
     memcpy(options, defaults, size < default_size ? size : default_size);
     memcpy(options, &size, sizeof size);
+}
+
+/* ---- Ranges ---- */
+
+static bvx_status fail_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row, int64_t value)
+{
+    if (row->kind != BVXI_IS_WHOLE)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: %s %d is unknown", function, row->name, value);
+    if (row->low == 0.0 && row->high == 1.0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %d, not 0 or 1", function, row->name, value);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %d; %d to %d are possible", function, row->name, value,
+                         (int64_t)row->low, (int64_t)row->high);
+}
+
+static bvx_status check_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row, const unsigned char *at)
+{
+    int32_t value;
+    int good;
+
+    memcpy(&value, at, sizeof value);
+    if (row->kind == BVXI_IS_AMONG) good = value >= 0 && value < 32 && ((uint32_t)row->low >> value & 1) != 0;
+    else good = value >= row->low && value <= row->high;
+    return good ? BVX_OK : fail_whole_option(ctx, function, row, value);
+}
+
+static bvx_status check_count_option(bvx_context *ctx, const char *function, const bvxi_option *row, const unsigned char *at)
+{
+    uint64_t value;
+
+    memcpy(&value, at, sizeof value);
+    if (value >= (uint64_t)row->low && value <= (uint64_t)row->high) return BVX_OK;
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %u; %u to %u are possible", function, row->name, value,
+                         (uint64_t)row->low, (uint64_t)row->high);
+}
+
+static bvx_status check_real_option(bvx_context *ctx, const char *function, const bvxi_option *row, const unsigned char *at)
+{
+    const char *const also = row->kind == BVXI_IS_ZERO_OR ? "0, or " : "";
+    double value;
+    int within;
+
+    memcpy(&value, at, sizeof value);
+    within = value >= row->low && value <= row->high;
+    if (row->kind == BVXI_IS_ABOVE) within = value > row->low && (value <= row->high || row->high == 0.0);
+    if (within || (row->kind == BVXI_IS_ZERO_OR && value == 0.0)) return BVX_OK;
+
+    if (row->kind == BVXI_IS_ABOVE)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %g; it must be above %g%s", function, row->name, value,
+                             row->low, row->high == 0.0 ? "" : " and finite");
+    if (row->high == BVXI_FINITE)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %g; it must be %g or more and finite", function, row->name,
+                             value, row->low);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %g; %s%g to %g are possible", function, row->name, value, also,
+                         row->low, row->high);
+}
+
+/* Of an array the element too; all of them are of 8 bytes. */
+static bvx_status fail_reserved_option(bvx_context *ctx, const char *function, const bvxi_option *row, size_t i)
+{
+    if (row->size <= 8) return bvxi_fail_reserved(ctx, function, "");
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: reserved[%u] must be 0", function, (uint64_t)i);
+}
+
+bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void *options, const bvxi_option *rows, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const bvxi_option *const row = &rows[i];
+        const unsigned char *const at = (const unsigned char *)options + row->at;
+        bvx_status status = BVX_OK;
+
+        switch (row->kind) {
+        case BVXI_IS_COUNT: status = check_count_option(ctx, function, row, at); break;
+        case BVXI_IS_REAL:
+        case BVXI_IS_ABOVE:
+        case BVXI_IS_ZERO_OR: status = check_real_option(ctx, function, row, at); break;
+        case BVXI_IS_RESERVED:
+            for (size_t k = 0; k < row->size && status == BVX_OK; k++)
+                if (at[k] != 0) status = fail_reserved_option(ctx, function, row, k / 8);
+            break;
+        default: status = check_whole_option(ctx, function, row, at); break;
+        }
+        if (status != BVX_OK) return status;
+    }
+    return BVX_OK;
 }

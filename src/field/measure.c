@@ -35,22 +35,18 @@ typedef struct measure_job {
 
 /* ---- what is asked for ---- */
 
+static const bvxi_option measure_rows[] = {
+    BVXI_ABOVE(bvx_field_options, half_width, 0.0, 0.0),
+    BVXI_CHOICE(bvx_field_options, sign, 0, BVX_SIGN_COUNT - 1),
+    BVXI_CHOICE(bvx_field_options, value_type, BVX_F32, BVX_F64),
+    BVXI_SWITCH(bvx_field_options, no_vectors),
+    BVXI_SWITCH(bvx_field_options, features),
+    BVXI_RESERVED(bvx_field_options, reserved),
+};
+
 static bvx_status check_measure_choices(bvx_context *ctx, const bvx_field_options *o)
 {
-    if (!(o->half_width > 0.0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: half_width is %g; it must be above 0", measure_name, o->half_width);
-    if (o->sign < 0 || o->sign >= BVX_SIGN_COUNT)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: sign rule %d is unknown", measure_name, (int64_t)o->sign);
-    if (o->value_type != BVX_F32 && o->value_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: value_type is %d, not BVX_F32 (1) or BVX_F64 (2)", measure_name, (int64_t)o->value_type);
-    if ((o->no_vectors & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: no_vectors is %d, not 0 or 1", measure_name, (int64_t)o->no_vectors);
-    if ((o->features & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: features is %d, not 0 or 1", measure_name, (int64_t)o->features);
-    for (uint64_t i = 0; i < 2; i++)
-        if (o->reserved[i] != 0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: reserved[%u] must be 0", measure_name, i);
-    return BVX_OK;
+    return bvxi_check_options(ctx, measure_name, o, BVXI_OPTIONS(measure_rows));
 }
 
 static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)

@@ -140,6 +140,12 @@ void bvx_distance_options_init(bvx_distance_options *options, size_t size)
     bvxi_give_options(options, size, &distance_defaults, sizeof distance_defaults);
 }
 
+static const bvxi_option distance_rows[] = {
+    BVXI_CHOICE(bvx_distance_options, side, BVX_DISTANCE_OUTSIDE, BVX_DISTANCE_SIGNED),
+    BVXI_CHOICE(bvx_distance_options, beyond, BVX_BEYOND_NOTHING, BVX_BEYOND_SET),
+    BVXI_RESERVED(bvx_distance_options, reserved),
+};
+
 static bvx_status check_distance(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_distance_options *options,
                                  uint64_t capacity, distance_job *job)
 {
@@ -148,12 +154,7 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
     job->o = distance_defaults;
     BVXI_TRY(bvxi_grid_check(ctx, function, grid));
     BVXI_TRY(bvxi_take_options(ctx, function, options, &job->o, sizeof job->o));
-    if (job->o.side < BVX_DISTANCE_OUTSIDE || job->o.side > BVX_DISTANCE_SIGNED)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: side is %d; 0 to 2 are possible", function, (int64_t)job->o.side);
-    if (job->o.beyond < BVX_BEYOND_NOTHING || job->o.beyond > BVX_BEYOND_SET)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: beyond is %d; 0 to 2 are possible", function, (int64_t)job->o.beyond);
-    if (job->o.reserved[0] != 0 || job->o.reserved[1] != 0)
-        return bvxi_fail_reserved(ctx, function, "");
+    BVXI_TRY(bvxi_check_options(ctx, function, &job->o, BVXI_OPTIONS(distance_rows)));
     for (int32_t a = 0; a < 3; a++)
         if (grid->lattice.spacing[a] < DISTANCE_LEAST_SPACING || grid->lattice.spacing[a] > DISTANCE_MOST_SPACING)
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: squares of a spacing of %g are beyond what doubles hold well", function,

@@ -148,23 +148,21 @@ void bvx_hollow_options_init(bvx_hollow_options *options, size_t size)
     bvxi_give_options(options, size, &hollow_defaults, sizeof hollow_defaults);
 }
 
-static int hollow_number_ok(double v, int above)
-{
-    return v - v == 0.0 && (above ? v > 0.0 : v >= 0.0);
-}
+static const bvxi_option hollow_rows[] = {
+    BVXI_ABOVE(bvx_hollow_options, thickness, 0.0, BVXI_FINITE),
+    BVXI_REAL(bvx_hollow_options, drain_radius, 0.0, BVXI_FINITE),
+    BVXI_CHOICE(bvx_hollow_options, drain_side, BVX_OPEN_X_LOW, BVX_OPEN_Z_HIGH),
+    BVXI_SWITCH(bvx_hollow_options, drain_placed),
+    BVXI_SWITCH(bvx_hollow_options, beyond),
+    BVXI_RESERVED(bvx_hollow_options, reserved),
+};
 
 static bvx_status check_hollow(bvx_context *ctx, const char *function, const bvx_hollow_options *o)
 {
     int32_t const s = o->drain_side;
-    if (!hollow_number_ok(o->thickness, 1))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: thickness is %g; it must be above 0 and finite", function, o->thickness);
-    if (!hollow_number_ok(o->drain_radius, 0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: drain_radius is %g; it must be finite and not negative", function, o->drain_radius);
-    if (s < 1 || s > BVX_OPEN_Z_HIGH || (s & (s - 1)) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: drain_side is %d, not one of BVX_OPEN_...", function, (int64_t)s);
-    if ((o->drain_placed != 0 && o->drain_placed != 1) || (o->beyond != 0 && o->beyond != 1))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: drain_placed is %d, beyond %d; 0 or 1 are possible", function, (int64_t)o->drain_placed, (int64_t)o->beyond);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
+    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(hollow_rows)));
+    if ((s & (s - 1)) != 0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: drain_side %d is more than one side", function, (int64_t)s);
     return BVX_OK;
 }
 

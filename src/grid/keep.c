@@ -125,10 +125,14 @@ static void report_kept(const keep_work *w, bvx_keep_report *report)
 
 /* ---- The calls ---- */
 
+static const bvxi_option keep_rows[] = {
+    BVXI_AMONG(bvx_keep_options, connectivity, 1 << 6 | 1 << 18 | 1 << 26),
+    BVXI_RESERVED(bvx_keep_options, reserved),
+};
+
 static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, const bvx_keep_options *o)
 {
-    BVXI_TRY(bvxi_check_connectivity(ctx, keep_name, o->connectivity));
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, keep_name, "");
+    BVXI_TRY(bvxi_check_options(ctx, keep_name, o, BVXI_OPTIONS(keep_rows)));
     if (o->seeds == NULL && o->seed_count != 0) return bvxi_fail_null(ctx, keep_name, "seeds");
     for (uint64_t i = 0; i < o->seed_count; i++) {
         const int32_t *const s = o->seeds + 3 * i;

@@ -141,19 +141,23 @@ void bvx_morph_options_init(bvx_morph_options *options, size_t size)
     bvxi_give_options(options, size, &morph_defaults, sizeof morph_defaults);
 }
 
+static const bvxi_option morph_rows[] = {
+    BVXI_AMONG(bvx_morph_options, neighbourhood, 1 << 0 | 1 << 6 | 1 << 18 | 1 << 26),
+    BVXI_WHOLE(bvx_morph_options, steps, 1, MORPH_MOST_STEPS),
+    BVXI_REAL(bvx_morph_options, radius, 0.0, BVXI_FINITE),
+    BVXI_SWITCH(bvx_morph_options, beyond),
+    BVXI_RESERVED(bvx_morph_options, reserved),
+};
+
 static bvx_status take_morph_options(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_morph_options *options, bvxi_morph *morph)
 {
     bvx_morph_options o = morph_defaults;
     BVXI_TRY(bvxi_take_options(ctx, function, options, &o, sizeof o));
-    if (o.neighbourhood != 0 && o.neighbourhood != 6 && o.neighbourhood != 18 && o.neighbourhood != 26)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: neighbourhood is %d, not 6, 18, 26 or 0 for a ball", function, (int64_t)o.neighbourhood);
-    if (o.steps < 1 || o.steps > MORPH_MOST_STEPS || (o.neighbourhood == 0 && o.steps != 1))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: steps is %d; 1 to %d are possible, for a ball 1", function, (int64_t)o.steps, (int64_t)MORPH_MOST_STEPS);
-    if (!(o.radius >= 0.0) || o.radius - o.radius != 0.0 || (o.neighbourhood != 0 && o.radius != 0.0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: radius is %g; it must be finite, not negative, and 0 unless neighbourhood is 0", function, o.radius);
-    if (o.beyond != 0 && o.beyond != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: beyond is %d, not 0 or 1", function, (int64_t)o.beyond);
-    if (o.reserved != 0) return bvxi_fail_reserved(ctx, function, "");
+    BVXI_TRY(bvxi_check_options(ctx, function, &o, BVXI_OPTIONS(morph_rows)));
+    if (o.neighbourhood == 0 && o.steps != 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: steps is %d; a ball takes 1", function, (int64_t)o.steps);
+    if (o.neighbourhood != 0 && o.radius != 0.0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: radius is %g; it must be 0 unless neighbourhood is 0", function, o.radius);
     morph->neighbourhood = o.neighbourhood;
     morph->steps = o.steps;
     morph->beyond = o.beyond;

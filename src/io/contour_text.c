@@ -84,6 +84,11 @@ void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t s
     bvxi_give_options(options, size, &d, sizeof d);
 }
 
+static const bvxi_option read_sections_rows[] = {
+    BVXI_REAL(bvx_read_sections_options, close_gap, 0.0, BVXI_FINITE),
+    BVXI_RESERVED(bvx_read_sections_options, reserved),
+};
+
 static bvx_status run_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                     const bvx_read_sections_options *options, bvx_sections *sections)
 {
@@ -96,8 +101,7 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     BVXI_TRY(bvxi_sections_check_result(context, function, sections));
     bvx_read_sections_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
-    if (o.reserved != 0) return bvxi_fail_reserved(context, function, "");
-    if (!(o.close_gap >= 0.0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: close_gap is %g, not 0 or more", function, o.close_gap);
+    BVXI_TRY(bvxi_check_options(context, function, &o, BVXI_OPTIONS(read_sections_rows)));
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
         return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "contours that are read", format, BVX_SECTIONS_READ);
     if (size > SIZE_MAX / 2) return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses", function, size);

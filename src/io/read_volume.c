@@ -250,6 +250,12 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
 
 /* ---- public ---- */
 
+static const bvxi_option read_volume_rows[] = {
+    BVXI_SWITCH(bvx_read_volume_options, big_endian),
+    BVXI_RESERVED(bvx_read_volume_options, reserved0),
+    BVXI_RESERVED(bvx_read_volume_options, reserved),
+};
+
 static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                   const bvx_read_volume_options *options, bvx_volume *volume)
 {
@@ -263,8 +269,7 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     if (size > SIZE_MAX / 2)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", name, size);
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
-    if (o.reserved0 != 0 || o.reserved[0] != 0 || o.reserved[1] != 0)
-        return bvxi_fail_reserved(context, name, "");
+    BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(read_volume_rows)));
     if (o.data_size > SIZE_MAX / 2)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: data_size is %u, more than memory can hold", name, o.data_size);
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", name);

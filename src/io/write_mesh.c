@@ -196,6 +196,11 @@ void bvx_write_options_init(bvx_write_options *options, size_t size)
     bvxi_give_options(options, size, &defaults, sizeof defaults);
 }
 
+static const bvxi_option write_rows[] = {
+    BVXI_SWITCH(bvx_write_options, normals),
+    BVXI_CHOICE(bvx_write_options, rounding, BVX_ROUNDING_REFUSE, BVX_ROUNDING_ALLOW),
+};
+
 static bvx_status run_write_mesh_with(bvx_context *context, const bvx_mesh *mesh,
                                       const bvx_write_options *options, int32_t format, bvx_buffer *file)
 {
@@ -204,12 +209,7 @@ static bvx_status run_write_mesh_with(bvx_context *context, const bvx_mesh *mesh
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
-    if (o.normals != 0 && o.normals != 1)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.normals is %d, not 0 or 1", function,
-                         (int64_t)o.normals);
-    if (o.rounding != BVX_ROUNDING_REFUSE && o.rounding != BVX_ROUNDING_ALLOW)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: options.rounding is %d, not BVX_ROUNDING_REFUSE (0) or "
-                         "BVX_ROUNDING_ALLOW (1)", function, (int64_t)o.rounding);
+    BVXI_TRY(bvxi_check_options(context, function, &o, BVXI_OPTIONS(write_rows)));
     return write_mesh(context, function, mesh, &o, format, file);
 }
 

@@ -15,20 +15,23 @@ void bvx_lattice_options_init(bvx_lattice_options *options, size_t size)
     bvxi_give_options(options, size, &lattice_defaults, sizeof lattice_defaults);
 }
 
+static const bvxi_option lattice_rows[] = {
+    BVXI_WHOLE(bvx_lattice_options, padding, 0, 65536),
+    BVXI_RESERVED(bvx_lattice_options, reserved),
+};
+
 static bvx_status check_fit_options(bvx_context *ctx, const char *function, const bvx_lattice_options *o, int32_t *per_axis,
                                     int32_t *by_spacing)
 {
     *per_axis = o->axis_resolution[0] != 0 || o->axis_resolution[1] != 0 || o->axis_resolution[2] != 0;
     *by_spacing = o->spacing[0] != 0 || o->spacing[1] != 0 || o->spacing[2] != 0;
+    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(lattice_rows)));
     if ((o->resolution != 0) + *per_axis + *by_spacing != 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolution, axis_resolution and spacing", function);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
-    if (o->padding < 0 || o->padding > 65536)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: padding %d is outside 0 to 65536", function, (int64_t)o->padding);
     for (int32_t a = 0; a < 3; a++) {
         int32_t const n = *per_axis ? o->axis_resolution[a] : *by_spacing ? 1 : o->resolution;
         if (n < 1 || n > BVXI_MAX_SIDE)
-            return bvxi_fail(ctx, n < 1 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE, "%s: resolution %d is outside 1 to %d", function,
+            return bvxi_fail_for(ctx, n < 1 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE, BVX_REASON_RANGE, "%s: resolution %d is outside 1 to %d", function,
                              (int64_t)n, (int64_t)BVXI_MAX_SIDE);
         if (*by_spacing && !(o->spacing[a] > 0 && o->spacing[a] - o->spacing[a] == 0.0))
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: spacing %g must be above 0 and finite", function, o->spacing[a]);

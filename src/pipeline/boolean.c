@@ -52,31 +52,27 @@ typedef struct boolean_job {
 
 /* ---- Checks ---- */
 
+static const bvxi_option boolean_rows[] = {
+    BVXI_AMONG(bvx_boolean_options, fill, BVX_FILLS_OF_BOOLEAN),
+    BVXI_CHOICE(bvx_boolean_options, interpolation, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT),
+    BVXI_CHOICE(bvx_boolean_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
+    BVXI_CHOICE(bvx_boolean_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_WHOLE(bvx_boolean_options, sharp, -1, 1),
+    BVXI_SWITCH(bvx_boolean_options, local_frame),
+    BVXI_SWITCH(bvx_boolean_options, keep_crumbs),
+    BVXI_AMONG(bvx_boolean_options, thin, 1 << BVX_THIN_KEEP | 1 << BVX_THIN_DROP),
+    BVXI_RESERVED(bvx_boolean_options, reserved),
+    BVXI_RESERVED(bvx_boolean_options, reserved1),
+};
+
 static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, const bvx_boolean_options *o)
 {
     if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown", boolean_name, (int64_t)operation);
-    if (o->fill < 0 || o->fill >= BVX_FILL_COUNT || (BVX_FILLS_OF_BOOLEAN >> o->fill & 1) == 0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: fill %d is not BVX_FILL_AUTO, PARITY, NONZERO, VOTE or WINDING", boolean_name, (int64_t)o->fill);
-    if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: interpolation %d is unknown", boolean_name, (int64_t)o->interpolation);
-    if (o->face_rule != BVX_FACE_SEPARATE && o->face_rule != BVX_FACE_JOIN)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: face rule %d is unknown", boolean_name, (int64_t)o->face_rule);
-    BVXI_TRY(bvxi_check_position_type(ctx, boolean_name, o->position_type));
-    if (o->sharp < -1 || o->sharp > 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", boolean_name, (int64_t)o->sharp);
-    if ((o->local_frame & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: local_frame %d is not 0 or 1", boolean_name, (int64_t)o->local_frame);
-    if ((o->keep_crumbs & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keep_crumbs %d is not 0 or 1", boolean_name, (int64_t)o->keep_crumbs);
-    if (o->thin != BVX_THIN_KEEP && o->thin != BVX_THIN_DROP)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: thin is %d, not BVX_THIN_KEEP or BVX_THIN_DROP", boolean_name, (int64_t)o->thin);
-    if (o->reserved[0] != 0 || o->reserved1 != 0)
-        return bvxi_fail_reserved(ctx, boolean_name, "");
+    BVXI_TRY(bvxi_check_options(ctx, boolean_name, o, BVXI_OPTIONS(boolean_rows)));
     if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
     if (o->resolution < 1 || o->resolution > 1 << 24)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: resolution %d is outside 1 to %d", boolean_name, (int64_t)o->resolution, (int64_t)1 << 24);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: resolution is %d; 1 to %d are possible", boolean_name, (int64_t)o->resolution, (int64_t)1 << 24);
     return BVX_OK;
 }
 

@@ -48,31 +48,30 @@ typedef struct levels_job {
 
 /* ---- Checks ---- */
 
+static const bvxi_option levels_rows[] = {
+    BVXI_CHOICE(bvx_levels_options, error_kind, BVX_ERROR_MEAN, BVX_ERROR_MAX),
+    BVXI_CHOICE(bvx_levels_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_REAL(bvx_levels_options, even, 0.0, 1.0),
+    BVXI_COUNT(bvx_levels_options, measure_samples, 0, INT32_MAX),
+    BVXI_SWITCH(bvx_levels_options, strict),
+    BVXI_CHOICE(bvx_levels_options, source, BVX_LEVELS_AUTO, BVX_LEVELS_MEASURED),
+    BVXI_WHOLE(bvx_levels_options, resolution, 0, 1 << 24),
+    BVXI_AMONG(bvx_levels_options, sign, BVX_SIGNS_OF_REPAIR),
+    BVXI_WHOLE(bvx_levels_options, sharp, -1, 1),
+    BVXI_SWITCH(bvx_levels_options, outer),
+    BVXI_ZERO_OR(bvx_levels_options, shell, 1.5, 1e6),
+    BVXI_CHOICE(bvx_levels_options, open, BVX_OPEN_SHELL, BVX_OPEN_CUT),
+    BVXI_REAL(bvx_levels_options, colour_weight, 0.0, 1.0),
+    BVXI_RESERVED(bvx_levels_options, reserved0),
+    BVXI_RESERVED(bvx_levels_options, reserved),
+};
+
 static bvx_status check_levels_options(bvx_context *ctx, const char *function, const bvx_levels_options *o)
 {
-    BVXI_TRY(bvxi_check_position_type(ctx, function, o->position_type));
-    if (o->source < BVX_LEVELS_AUTO || o->source > BVX_LEVELS_MEASURED)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: source %d is unknown", function, (int64_t)o->source);
-    if (o->resolution < 0 || o->resolution > 1 << 24)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: resolution %d is outside 0 to %d", function,
-                         (int64_t)o->resolution, (int64_t)1 << 24);
-    if (o->sharp < -1 || o->sharp > 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", function,
-                         (int64_t)o->sharp);
-    if (!(o->shell == 0 || (o->shell >= 1.5 && o->shell <= 1e6)))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: a shell of %g voxels; it is 0 for none, or from 1.5 to 10^6", function,
-                         o->shell);
-    if ((o->outer & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer %d is neither 0 nor 1", function,
-                         (int64_t)o->outer);
+    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(levels_rows)));
     if (o->outer && o->least_cavity != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
                          "%s: outer fills every cavity; least_cavity is not used with it", function);
-    if (o->open < BVX_OPEN_SHELL || o->open > BVX_OPEN_CUT)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: open %d is unknown", function, (int64_t)o->open);
-    if (o->reserved0 != 0 || (o->reserved[0] | o->reserved[1]) != 0)
-        return bvxi_fail_reserved(ctx, function, "");
     return BVX_OK;
 }
 

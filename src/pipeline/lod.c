@@ -62,21 +62,25 @@ static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, con
     return BVX_OK;
 }
 
+static const bvxi_option lod_rows[] = {
+    BVXI_CHOICE(bvx_lod_options, method, BVX_LOD_EDGE_RATIO, BVX_LOD_COVERAGE),
+    BVXI_WHOLE(bvx_lod_options, edge_samples, 0, 65536),
+    BVXI_CHOICE(bvx_lod_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
+    BVXI_CHOICE(bvx_lod_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_SWITCH(bvx_lod_options, local_frame),
+    BVXI_WHOLE(bvx_lod_options, first_level, 0, INT32_MAX),
+    BVXI_ZERO_OR(bvx_lod_options, collapse, 1.0, 64.0),
+};
+
 static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o, uint64_t level_count)
 {
-    if (o->method != BVX_LOD_EDGE_RATIO && o->method != BVX_LOD_COVERAGE)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: method %d is unknown", lod_name, (int64_t)o->method);
+    BVXI_TRY(bvxi_check_options(ctx, lod_name, o, BVXI_OPTIONS(lod_rows)));
     if (!(o->threshold > 0 && o->threshold < 1))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
-    if (o->edge_samples < 0 || o->edge_samples > 65536)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %d edge samples are outside 0 to 65536", lod_name, (int64_t)o->edge_samples);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
     if (o->edge_samples != 0 && o->method != BVX_LOD_EDGE_RATIO)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: edge_samples belongs to BVX_LOD_EDGE_RATIO alone", lod_name);
     if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolutions, axis_resolutions and target_triangles", lod_name);
-    if (o->first_level < 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: first_level is %d, below 0", lod_name, (int64_t)o->first_level);
-    if (!(o->collapse == 0 || (o->collapse >= 1 && o->collapse <= 64)))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse %g is neither 0 nor from 1 to 64", lod_name, o->collapse);
     if (o->collapse != 0 && o->target_triangles == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse belongs to target_triangles alone", lod_name);
     if (level_count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: no level is asked for", lod_name);

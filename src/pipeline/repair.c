@@ -20,27 +20,31 @@ void bvx_repair_options_init(bvx_repair_options *options, size_t size)
     bvxi_give_options(options, size, &repair_defaults, sizeof repair_defaults);
 }
 
+static const bvxi_option repair_rows[] = {
+    BVXI_CHOICE(bvx_repair_options, sign, 0, BVX_SIGN_COUNT - 1),
+    BVXI_CHOICE(bvx_repair_options, interpolation, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT),
+    BVXI_CHOICE(bvx_repair_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
+    BVXI_WHOLE(bvx_repair_options, sharp, -1, 1),
+    BVXI_CHOICE(bvx_repair_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_SWITCH(bvx_repair_options, local_frame),
+    BVXI_SWITCH(bvx_repair_options, measure),
+    BVXI_ZERO_OR(bvx_repair_options, shell, 1.5, 1e6),
+    BVXI_SWITCH(bvx_repair_options, keep_crumbs),
+    BVXI_SWITCH(bvx_repair_options, if_needed),
+    BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_SHELL, BVX_THIN_DROP),
+    BVXI_RESERVED(bvx_repair_options, reserved0),
+    BVXI_RESERVED(bvx_repair_options, reserved),
+};
+
 static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_options *o)
 {
-    if (o->sign < BVX_SIGN_AUTO || o->sign > BVX_SIGN_VOTE)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sign %d is none of BVX_SIGN_AUTO .. BVX_SIGN_VOTE", bvxi_repair_name, (int64_t)o->sign);
+    BVXI_TRY(bvxi_check_options(ctx, bvxi_repair_name, o, BVXI_OPTIONS(repair_rows)));
     if ((BVX_SIGNS_OF_REPAIR >> o->sign & 1) == 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: signs by normals are wrong beyond holes; take auto, exact, winding or vote", bvxi_repair_name);
-    if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: interpolation %d is unknown", bvxi_repair_name, (int64_t)o->interpolation);
-    if (o->sharp < -1 || o->sharp > 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp %d is not -1, 0 or 1", bvxi_repair_name, (int64_t)o->sharp);
-    if ((o->measure & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: measure %d is not 0 or 1", bvxi_repair_name, (int64_t)o->measure);
-    if (!(o->shell == 0 || (o->shell >= 1.5 && o->shell <= 1e6)))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a shell of %g voxels; it is 0 for none, or from 1.5 to 10^6", bvxi_repair_name, o->shell);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: sign %d is by normals, which are wrong beyond holes; take auto, exact, winding or vote",
+                             bvxi_repair_name, (int64_t)o->sign);
     if (o->measure && (o->measure_samples < 1 || o->measure_samples > INT32_MAX))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %u samples to measure with; 1 to 2^31 - 1 are possible", bvxi_repair_name, o->measure_samples);
-    if (((o->keep_crumbs | o->if_needed) & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keep_crumbs %d and if_needed %d are 0 or 1", bvxi_repair_name, (int64_t)o->keep_crumbs,
-                         (int64_t)o->if_needed);
-    if (o->thin < BVX_THIN_SHELL || o->thin > BVX_THIN_DROP)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: thin is %d, not one of BVX_THIN_SHELL .. BVX_THIN_DROP", bvxi_repair_name, (int64_t)o->thin);
-    if (o->reserved0 != 0 || o->reserved[0] != 0) return bvxi_fail_reserved(ctx, bvxi_repair_name, "");
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: measure_samples is %u; 1 to 2^31 - 1 are possible", bvxi_repair_name,
+                             o->measure_samples);
     return BVX_OK;
 }
 
@@ -53,7 +57,7 @@ static bvx_status check_repair_lattice(bvx_context *ctx, const bvx_repair_option
         return bvxi_lattice_check(ctx, bvxi_repair_name, o->lattice);
     }
     if (o->resolution < 1 || o->resolution > 1 << 24)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a resolution of %d; 1 to 2^24 are possible", bvxi_repair_name, (int64_t)o->resolution);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: resolution is %d; 1 to 2^24 are possible", bvxi_repair_name, (int64_t)o->resolution);
     return BVX_OK;
 }
 

@@ -28,6 +28,14 @@ static int32_t levels_that_fit(const int32_t base[3])
     return levels;
 }
 
+static const bvxi_option refine_rows[] = {
+    BVXI_WHOLE(bvx_refine_options, levels, 0, 25),
+    BVXI_WHOLE(bvx_refine_options, start_level, -1, 25),
+    BVXI_RESERVED(bvx_refine_options, reserved),
+    BVXI_WHOLE(bvx_refine_options, outer_levels, 0, 25),
+    BVXI_REAL(bvx_refine_options, tolerance, 0.0, BVXI_FINITE),
+};
+
 static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *base,
                                          const bvx_refine_options *given, bvx_refine_options *o)
 {
@@ -39,20 +47,17 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
     if (most < 0)
         return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: a base of %d x %d x %d voxels; fewer than 2^31 are possible", bvx_refine_name,
                          (int64_t)base->dims[0], (int64_t)base->dims[1], (int64_t)base->dims[2]);
-    if (o->levels < 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: levels is %d; it must be 0 or more", bvx_refine_name, (int64_t)o->levels);
+    BVXI_TRY(bvxi_check_options(ctx, bvx_refine_name, o, BVXI_OPTIONS(refine_rows)));
     if (o->levels > most)
         return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %d levels over a base of %d x %d x %d voxels are beyond a lattice's 2^25; %d levels fit",
                          bvx_refine_name, (int64_t)o->levels, (int64_t)base->dims[0], (int64_t)base->dims[1], (int64_t)base->dims[2],
                          (int64_t)most);
-    if (o->start_level < -1 || o->start_level > o->levels)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: start_level is %d; -1 to levels (%d) are possible", bvx_refine_name,
-                         (int64_t)o->start_level, (int64_t)o->levels);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, bvx_refine_name, "");
-    if (o->outer_levels < 0 || o->outer_levels > o->levels)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: outer_levels is %d; 0 to levels (%d) are possible", bvx_refine_name,
-                         (int64_t)o->outer_levels, (int64_t)o->levels);
-    if (!(o->tolerance >= 0) || !(o->tolerance - o->tolerance == 0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: tolerance is %g; it must be 0 or more and finite", bvx_refine_name, o->tolerance);
+    if (o->start_level > o->levels)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: start_level is %d; -1 to levels (%d) are possible", bvx_refine_name,
+                             (int64_t)o->start_level, (int64_t)o->levels);
+    if (o->outer_levels > o->levels)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: outer_levels is %d; 0 to levels (%d) are possible", bvx_refine_name,
+                             (int64_t)o->outer_levels, (int64_t)o->levels);
     if (o->tolerance > 0 && o->start_level > 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a tolerance starts at level 0, not %d", bvx_refine_name, (int64_t)o->start_level);
     return BVX_OK;

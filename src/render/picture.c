@@ -54,17 +54,20 @@ static bvx_status check_picture_cut(bvx_context *ctx, const char *function, cons
     return BVX_OK;
 }
 
+static const bvxi_option picture_rows[] = {
+    BVXI_WHOLE(bvx_render_options, width, 1, PICTURE_SIDE),
+    BVXI_WHOLE(bvx_render_options, height, 1, PICTURE_SIDE),
+    BVXI_SWITCH(bvx_render_options, smooth),
+    BVXI_WHOLE(bvx_render_options, samples, 1, 4),
+    BVXI_SWITCH(bvx_render_options, wireframe),
+    BVXI_RESERVED(bvx_render_options, reserved),
+};
+
 static bvx_status check_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *o)
 {
-    if (o->width < 1 || o->width > PICTURE_SIDE || o->height < 1 || o->height > PICTURE_SIDE)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a picture of %d x %d pixels is outside 1 to %d a side", function,
-                         (int64_t)o->width, (int64_t)o->height, (int64_t)PICTURE_SIDE);
+    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(picture_rows)));
     if (o->colour[3] != 0 || o->background[3] != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the fourth byte of a colour is not 0", function);
-    if (o->samples < 1 || o->samples > 4)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %d samples a pixel and side are outside 1 to 4", function,
-                         (int64_t)o->samples);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
     return check_picture_cut(ctx, function, o);
 }
 

@@ -30,28 +30,27 @@ void bvx_sections_options_init(bvx_sections_options *options, size_t size)
     bvxi_give_options(options, size, &d, sizeof d);
 }
 
-static bvx_status check_range(bvx_context *ctx, const char *name, int32_t value, int32_t low, int32_t high)
-{
-    if (value >= low && value <= high) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s is %d, allowed are %d to %d", sections_name, name, (int64_t)value, (int64_t)low, (int64_t)high);
-}
+static const bvxi_option sections_rows[] = {
+    BVXI_WHOLE(bvx_sections_options, layers, 1, 64),
+    BVXI_CHOICE(bvx_sections_options, caps, BVX_CAPS_FLAT, BVX_CAPS_OPEN),
+    BVXI_CHOICE(bvx_sections_options, crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC),
+    BVXI_WHOLE(bvx_sections_options, depth, 0, BVXI_SECTION_DEEPEST),
+    BVXI_CHOICE(bvx_sections_options, nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE),
+    BVXI_SWITCH(bvx_sections_options, mend),
+    BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),
+};
 
 static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_options *o)
 {
-    BVXI_TRY(check_range(ctx, "layers", o->layers, 1, 64));
-    BVXI_TRY(check_range(ctx, "caps", o->caps, BVX_CAPS_FLAT, BVX_CAPS_OPEN));
-    BVXI_TRY(check_range(ctx, "crossings", o->crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC));
-    BVXI_TRY(check_range(ctx, "depth", o->depth, 0, BVXI_SECTION_DEEPEST));
-    BVXI_TRY(check_range(ctx, "nesting", o->nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE));
-    BVXI_TRY(check_range(ctx, "mend", o->mend, 0, 1));
-    BVXI_TRY(bvxi_check_position_type(ctx, sections_name, o->position_type));
-    if (o->grid[0] != 0 || o->grid[1] != 0) {
-        BVXI_TRY(check_range(ctx, "grid[0]", o->grid[0], 2, 8192));
-        BVXI_TRY(check_range(ctx, "grid[1]", o->grid[1], 2, 8192));
-        if (o->spacing != 0.0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: grid and spacing are both given", sections_name);
-    }
-    if (!(o->spacing >= 0.0) || o->spacing - o->spacing != 0.0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the spacing is %g, not a finite number above 0", sections_name, o->spacing);
+    BVXI_TRY(bvxi_check_options(ctx, sections_name, o, BVXI_OPTIONS(sections_rows)));
+    if (o->grid[0] == 0 && o->grid[1] == 0) return BVX_OK;
+
+    for (int32_t a = 0; a < 2; a++)
+        if (o->grid[a] < 2 || o->grid[a] > 8192)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: grid[%d] is %d; 2 to 8192 are possible", sections_name, (int64_t)a,
+                                 (int64_t)o->grid[a]);
+    if (o->spacing != 0.0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: grid and spacing are both given", sections_name);
     return BVX_OK;
 }
 

@@ -365,6 +365,12 @@ static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_secti
     return close_result(w, sections);
 }
 
+static const bvxi_option slice_rows[] = {
+    BVXI_REAL(bvx_slice_options, spacing, 0.0, BVXI_FINITE),
+    BVXI_WHOLE(bvx_slice_options, label, -INT32_MAX, INT32_MAX),
+    BVXI_RESERVED(bvx_slice_options, reserved),
+};
+
 static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh,
                                  const bvx_slice_options *options, bvx_sections *sections)
 {
@@ -376,8 +382,7 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     BVXI_TRY(bvxi_sections_check_result(context, slice_name, sections));
     bvx_slice_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, slice_name, options, &o, sizeof o));
-    if (o.reserved != 0) return bvxi_fail_reserved(context, slice_name, "");
-    if (o.label == BVX_LABEL_ONLY) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: the label stands for none", slice_name);
+    BVXI_TRY(bvxi_check_options(context, slice_name, &o, BVXI_OPTIONS(slice_rows)));
     BVXI_TRY(bvxi_view_check(context, slice_name, mesh));
     memset(&w, 0, sizeof w);
     w.ctx = context;

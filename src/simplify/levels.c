@@ -19,22 +19,6 @@ bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
                          "%s: target_triangles and target_errors exclude each other; set one of them",
                          c->function);
-    if (c->error_kind != BVX_ERROR_MEAN && c->error_kind != BVX_ERROR_MAX)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: error_kind %d is neither BVX_ERROR_MEAN nor BVX_ERROR_MAX", c->function,
-                         (int64_t)c->error_kind);
-    if (!(c->collapse.even >= 0 && c->collapse.even <= 1))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: even %g is outside 0 to 1", c->function,
-                         c->collapse.even);
-    if (!(c->collapse.colour_weight >= 0 && c->collapse.colour_weight <= 1))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: colour_weight %g is outside 0 to 1", c->function,
-                         c->collapse.colour_weight);
-    if (c->measure_samples > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: measure_samples %u is above 2^31 - 1", c->function,
-                         c->measure_samples);
-    if ((c->strict & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: strict %d is neither 0 nor 1", c->function,
-                         (int64_t)c->strict);
 
     for (uint64_t i = 0; i < c->count; i++) {
         if (c->target_triangles != NULL && c->target_triangles[i] == 0)

@@ -46,14 +46,20 @@ bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mes
     return status;
 }
 
+static const bvxi_option simplify_rows[] = {
+    BVXI_CHOICE(bvx_simplify_options, error_kind, BVX_ERROR_MEAN, BVX_ERROR_MAX),
+    BVXI_CHOICE(bvx_simplify_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_REAL(bvx_simplify_options, even, 0.0, 1.0),
+    BVXI_COUNT(bvx_simplify_options, measure_samples, 0, INT32_MAX),
+    BVXI_SWITCH(bvx_simplify_options, strict),
+    BVXI_CHOICE(bvx_simplify_options, open, BVX_OPEN_SHELL, BVX_OPEN_CUT),
+    BVXI_REAL(bvx_simplify_options, colour_weight, 0.0, 1.0),
+    BVXI_RESERVED(bvx_simplify_options, reserved),
+};
+
 static bvx_status check_simplify_options(bvx_context *ctx, const bvx_simplify_options *o)
 {
-    BVXI_TRY(bvxi_check_position_type(ctx, simplify_name, o->position_type));
-    if (o->open < BVX_OPEN_SHELL || o->open > BVX_OPEN_CUT)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: open %d is unknown", simplify_name, (int64_t)o->open);
-    if ((o->reserved[0] | o->reserved[1] | o->reserved[2]) != 0)
-        return bvxi_fail_reserved(ctx, simplify_name, "");
-    return BVX_OK;
+    return bvxi_check_options(ctx, simplify_name, o, BVXI_OPTIONS(simplify_rows));
 }
 
 /* What is refused as it is may have doubles and flipped triangles alone: edges are cut where nothing else helps. */

@@ -204,16 +204,20 @@ bvx_status bvxi_faces_open_mesh(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 
 /* ---- the calls ---- */
 
+static const bvxi_option faces_rows[] = {
+    BVXI_CHOICE(bvx_faces_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_SWITCH(bvx_faces_options, local_frame),
+    BVXI_SWITCH(bvx_faces_options, merged),
+    BVXI_RESERVED(bvx_faces_options, reserved),
+};
+
 static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid, const bvx_faces_options *given)
 {
     const bvx_faces_options *const o = &f->options;
     BVXI_TRY(bvxi_take_options(ctx, f->function, given, &f->options, sizeof f->options));
     BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
     BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
-    BVXI_TRY(bvxi_check_position_type(ctx, f->function, o->position_type));
-    if ((o->merged & ~1) != 0 || (o->local_frame & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: merged and local_frame are 0 or 1", f->function);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, f->function, "");
+    BVXI_TRY(bvxi_check_options(ctx, f->function, o, BVXI_OPTIONS(faces_rows)));
     f->grid = grid;
     for (int32_t a = 0; a < 3; a++) {
         f->spacing[a] = grid->lattice.spacing[a];

@@ -19,18 +19,15 @@ void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t s
 
 /* ---- checks ---- */
 
-/* What bvxi_march_open does not see. */
-static bvx_status check_field_surface_options(bvx_context *ctx, const char *function, const bvx_field_surface_options *o)
-{
-    if (o->interpolation < BVX_EDGE_VECTOR || o->interpolation > BVX_EDGE_TANGENT)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: interpolation %d is unknown", function, (int64_t)o->interpolation);
-    if ((o->sharp & ~1) != 0 || (o->local_frame & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp and local_frame are 0 or 1", function);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
-    if (!(o->sharp_angle >= -1.0 && o->sharp_angle <= 1.0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: sharp_angle %g is no cosine", function, o->sharp_angle);
-    return BVX_OK;
-}
+static const bvxi_option field_surface_rows[] = {
+    BVXI_CHOICE(bvx_field_surface_options, interpolation, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT),
+    BVXI_CHOICE(bvx_field_surface_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
+    BVXI_CHOICE(bvx_field_surface_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_SWITCH(bvx_field_surface_options, sharp),
+    BVXI_SWITCH(bvx_field_surface_options, local_frame),
+    BVXI_RESERVED(bvx_field_surface_options, reserved),
+    BVXI_REAL(bvx_field_surface_options, sharp_angle, -1.0, 1.0),
+};
 
 /* The numbers of the values must be those of the band's bits, as no search checks them again. */
 static bvx_status check_row_values(bvx_context *ctx, const char *function, const bvx_field *f)
@@ -200,7 +197,7 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (field == NULL || surface == NULL) return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
-    BVXI_TRY(check_field_surface_options(context, name, &o));
+    BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(field_surface_rows)));
     BVXI_TRY(check_field(context, name, field, &o));
     if (o.sharp && mesh != NULL && field->triangles != NULL) {
         BVXI_TRY(check_field_triangles(context, name, field, mesh));

@@ -21,16 +21,18 @@ void bvx_extract_options_init(bvx_extract_options *options, size_t size)
     bvxi_give_options(options, size, &extract_defaults, sizeof extract_defaults);
 }
 
+static const bvxi_option extract_rows[] = {
+    BVXI_CHOICE(bvx_extract_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
+    BVXI_CHOICE(bvx_extract_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_WHOLE(bvx_extract_options, open_sides, 0, 63),
+    BVXI_SWITCH(bvx_extract_options, keys),
+    BVXI_SWITCH(bvx_extract_options, local_frame),
+    BVXI_RESERVED(bvx_extract_options, reserved),
+};
+
 static bvx_status check_extract_options(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_extract_options *o)
 {
-    if (o->face_rule != BVX_FACE_SEPARATE && o->face_rule != BVX_FACE_JOIN)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: face rule %d is unknown", function, (int64_t)o->face_rule);
-    BVXI_TRY(bvxi_check_position_type(ctx, function, o->position_type));
-    if (o->open_sides < 0 || o->open_sides > 63)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: open sides %d hold unknown bits", function, (int64_t)o->open_sides);
-    if ((o->keys & ~1) != 0 || (o->local_frame & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys and local_frame are 0 or 1", function);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, function, "");
+    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(extract_rows)));
     for (int32_t a = 0; o->keys && a < 3; a++)
         if (grid->lattice.dims[a] >= 1 << 20)
             return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",

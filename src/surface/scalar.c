@@ -16,12 +16,21 @@ void bvx_scalar_options_init(bvx_scalar_options *options, size_t size)
     bvxi_give_options(options, size, &scalar_defaults, sizeof scalar_defaults);
 }
 
-/* What bvxi_march_open does not see, before samples are read. */
+static const bvxi_option scalar_rows[] = {
+    BVXI_SWITCH(bvx_scalar_options, below),
+    BVXI_CHOICE(bvx_scalar_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
+    BVXI_CHOICE(bvx_scalar_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_WHOLE(bvx_scalar_options, open_sides, 0, 63),
+    BVXI_SWITCH(bvx_scalar_options, keys),
+    BVXI_SWITCH(bvx_scalar_options, local_frame),
+    BVXI_RESERVED(bvx_scalar_options, reserved),
+};
+
+/* Before samples are read. */
 static bvx_status check_scalar_options(bvx_context *ctx, const char *function, const bvx_scalar_options *o)
 {
-    if (o->level != o->level) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level is NaN", function);
-    if ((o->below & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: below is 0 or 1", function);
-    if (o->reserved[0] != 0 || o->reserved[1] != 0) return bvxi_fail_reserved(ctx, function, "");
+    if (o->level != o->level) return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: level is NaN", function);
+    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(scalar_rows)));
     return BVX_OK;
 }
 

@@ -173,14 +173,16 @@ static bvx_status give_fills(bvx_context *ctx, const fills_work *w, const bvx_co
     return BVX_OK;
 }
 
+static const bvxi_option compare_fills_rows[] = {
+    BVXI_RESERVED(bvx_compare_fills_options, reserved),
+    BVXI_WHOLE(bvx_compare_fills_options, close_gaps, 0, BVXI_MOST_GAP),
+};
+
 static bvx_status check_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                               const bvx_compare_fills_options *given, bvx_compare_fills_options *o)
 {
     BVXI_TRY(bvxi_take_options(ctx, fills_name, given, o, sizeof *o));
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, fills_name, "");
-    if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps is %d; 0 to %d are possible", fills_name, (int64_t)o->close_gaps,
-                         (int64_t)BVXI_MOST_GAP);
+    BVXI_TRY(bvxi_check_options(ctx, fills_name, o, BVXI_OPTIONS(compare_fills_rows)));
     if (o->disagreeing != NULL && o->disagreeing == o->lost)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: disagreeing and lost are one grid", fills_name);
     BVXI_TRY(bvxi_view_check(ctx, fills_name, mesh));

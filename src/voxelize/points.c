@@ -107,15 +107,17 @@ static bvx_status make_points_body(bvx_context *ctx, int32_t close_gaps, points_
 
 /* ---- The call ---- */
 
+static const bvxi_option points_rows[] = {
+    BVXI_WHOLE(bvx_points_options, minimum, 1, INT32_MAX),
+    BVXI_SWITCH(bvx_points_options, body),
+    BVXI_WHOLE(bvx_points_options, close_gaps, 0, BVXI_MOST_GAP),
+    BVXI_RESERVED(bvx_points_options, reserved),
+};
+
 static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *lattice, const bvx_points_options *o, bvx_window *window)
 {
-    if (o->minimum < 1) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: minimum is %d; a voxel needs one point or more", points_name, (int64_t)o->minimum);
-    if ((o->body & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: body is %d, not 0 or 1", points_name, (int64_t)o->body);
-    if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps is %d; 0 to %d are possible", points_name, (int64_t)o->close_gaps,
-                         (int64_t)BVXI_MOST_GAP);
+    BVXI_TRY(bvxi_check_options(ctx, points_name, o, BVXI_OPTIONS(points_rows)));
     if (o->close_gaps != 0 && !o->body) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps goes with body alone", points_name);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, points_name, "");
     BVXI_TRY(bvxi_lattice_check(ctx, points_name, lattice));
     BVXI_TRY(bvxi_window_take(ctx, points_name, lattice, &o->window, window));
     for (int32_t a = 0; a < 3 && o->body; a++)

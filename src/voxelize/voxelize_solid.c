@@ -23,22 +23,22 @@ static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const ch
     return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s goes with the rule %s alone", solid_name, option, rule);
 }
 
+static const bvxi_option voxelize_rows[] = {
+    BVXI_CHOICE(bvx_voxelize_options, fill, 0, BVX_FILL_COUNT - 1),
+    BVXI_RESERVED(bvx_voxelize_options, reserved),
+    BVXI_RESERVED(bvx_voxelize_options, reserved2),
+    BVXI_WHOLE(bvx_voxelize_options, close_gaps, 0, BVXI_MOST_GAP),
+    BVXI_SWITCH(bvx_voxelize_options, add_shell),
+    BVXI_SWITCH(bvx_voxelize_options, check_edges),
+    BVXI_WHOLE(bvx_voxelize_options, check_thin, -1, 1),
+    BVXI_WHOLE(bvx_voxelize_options, axis, 0, 2),
+};
+
 static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
 {
     int const below = o->fill == BVX_FILL_BELOW;
-    if (o->fill < 0 || o->fill >= BVX_FILL_COUNT)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: fill rule %d is unknown", solid_name, (int64_t)o->fill);
-    if ((o->reserved | o->reserved2) != 0) return bvxi_fail_reserved(ctx, solid_name, "");
-    if (o->close_gaps < 0 || o->close_gaps > BVXI_MOST_GAP)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: close_gaps is %d; 0 to %d are possible", solid_name, (int64_t)o->close_gaps,
-                         (int64_t)BVXI_MOST_GAP);
-    if ((o->add_shell & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: add_shell is %d, not 0 or 1", solid_name, (int64_t)o->add_shell);
-    if ((o->check_edges & ~1) != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_edges is %d, not 0 or 1", solid_name, (int64_t)o->check_edges);
-    if (o->check_thin < -1 || o->check_thin > 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_thin is %d, not -1, 0 or 1", solid_name, (int64_t)o->check_thin);
-    if (o->axis < 0 || o->axis > 2) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: axis is %d, not 0, 1 or 2", solid_name, (int64_t)o->axis);
-    if (o->base != o->base) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: base is not a number", solid_name);
+    BVXI_TRY(bvxi_check_options(ctx, solid_name, o, BVXI_OPTIONS(voxelize_rows)));
+    if (o->base != o->base) return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: base is not a number", solid_name);
     if (o->close_gaps != 0 && o->fill != BVX_FILL_FLOOD) return refuse_for_rule(ctx, "close_gaps", "flood");
     if (o->axis != 2 && !below) return refuse_for_rule(ctx, "axis", "below");
     if (o->base != voxelize_defaults.base && !below) return refuse_for_rule(ctx, "base", "below");

@@ -150,13 +150,16 @@ static int32_t choose_tile_count(const bvx_context *ctx)
     return threads == 1 ? 1 : threads < BVXI_SURFACE_TILES / 8 ? 8 * threads : BVXI_SURFACE_TILES;
 }
 
+static const bvxi_option surface_option_rows[] = {
+    BVXI_CHOICE(bvx_surface_options, mode, BVX_SURFACE_CONSERVATIVE, BVX_SURFACE_SAMPLED),
+    BVXI_RESERVED(bvx_surface_options, reserved),
+};
+
 static bvx_status check_surface_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                                           const bvx_surface_options *given, bvx_surface_options *o, bvx_window *window)
 {
     BVXI_TRY(bvxi_take_options(ctx, surface_name, given, o, sizeof *o));
-    if (o->mode < BVX_SURFACE_CONSERVATIVE || o->mode > BVX_SURFACE_SAMPLED)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: mode %d is unknown", surface_name, (int64_t)o->mode);
-    if (o->reserved != 0) return bvxi_fail_reserved(ctx, surface_name, "");
+    BVXI_TRY(bvxi_check_options(ctx, surface_name, o, BVXI_OPTIONS(surface_option_rows)));
     if (o->attached != NULL && o->attached->offsets == NULL && o->attached->triangles != NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: attached brings triangles, which are not used; zero it first", surface_name);
     BVXI_TRY(bvxi_view_check(ctx, surface_name, mesh));

@@ -108,6 +108,12 @@ lists_stand_once() {
     empty "$work/twice.txt" 'a list or wording by hand:'
 }
 
+options_agree() {
+    needs python3
+    mkdir -p "$work/options"
+    python3 tests/tools/check_options.py "$work/options" "$BUILD/libbitvox.a"
+}
+
 # A result may be passed again: tests/unit/test_reuse.c has a row for every function that makes one. Handles of bvx_closest_create
 # are made anew each time.
 every_result_reused() {
@@ -275,6 +281,7 @@ check 'every function is one rise of progress' every_function_rises
 check 'no caller reads messages' nobody_reads_messages
 check 'every result can be passed again' every_result_reused
 check 'lists stand once' lists_stand_once
+check 'options agree in header, library, program and package' options_agree
 check 'every function has a fault test, a fuzz target and a golden row' every_function_proven
 check 'global names of the static library' static_names
 check 'no writable globals' no_globals

@@ -9,7 +9,17 @@ trap 'rm -rf "$work"' EXIT
     echo '#include "bitvox.h"'
     echo '#include <stdio.h>'
     echo 'int main(void) {'
-    sed 's|/\*\*<.*||; s|^ *\*.*||; s|/\*.*\*/||' include/bitvox.h | awk '
+    awk '{ # without comments
+        line = $0
+        code = ""
+        while (line != "") {
+            at = index(line, inside ? "*/" : "/*")
+            if (!inside) code = code (at ? substr(line, 1, at - 1) : line)
+            line = at ? substr(line, at + 2) : ""
+            if (at) inside = !inside
+        }
+        print code
+    }' include/bitvox.h | awk '
         /^typedef struct bvx_[a-z0-9_]* \{/ {
             name = $3
             print "printf(\"%s %u\\n\", \"" name "\", (unsigned)sizeof(" name "));"

@@ -4,7 +4,6 @@
 #define CALL_TABLE_H
 
 #include "bitvox.h"
-#include "unity.h"
 
 #include <string.h>
 
@@ -53,7 +52,9 @@ typedef struct world {
 #define TAKE_OPTIONS(kind, name)                  \
     bvx_##kind##_options name;                    \
     bvx_##kind##_options_init(&name, sizeof name); \
-    if (w->wrong_size) name.struct_size = 1;       \
+    if (w->wrong_size) name.struct_size = 1
+/* After what the call needs. */
+#define SPOIL(name) \
     if (w->bad_size != 0) memcpy((char *)&name + w->bad_at, w->bad, w->bad_size)
 #define TAKE_RESERVED(place) \
     if (w->wrong_reserved) (place) = 1
@@ -68,6 +69,7 @@ static bvx_status lattice_fit_with(const world *w)
     TAKE_OPTIONS(lattice, o);
     o.resolution = 8;
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_lattice_fit_with(w->ctx, w->mesh, &o, (bvx_lattice *)w->out);
 }
 static bvx_status lattice_fit_points(const world *w)
@@ -75,6 +77,7 @@ static bvx_status lattice_fit_points(const world *w)
     TAKE_OPTIONS(lattice, o);
     o.resolution = 8;
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_lattice_fit_points(w->ctx, w->points, &o, (bvx_lattice *)w->out);
 }
 static bvx_status lattice_fit_box(const world *w)
@@ -82,6 +85,7 @@ static bvx_status lattice_fit_box(const world *w)
     TAKE_OPTIONS(lattice, o);
     o.resolution = 8;
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_lattice_fit_box(w->ctx, unit_origin, unit_spacing, &o, (bvx_lattice *)w->out);
 }
 static bvx_status lattice_make(const world *w) { return bvx_lattice_make(w->ctx, unit_origin, unit_spacing, eight, (bvx_lattice *)w->out); }
@@ -109,12 +113,14 @@ static bvx_status voxelize_solid(const world *w)
 {
     TAKE_OPTIONS(voxelize, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_voxelize_solid(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
 }
 static bvx_status compare_fills(const world *w)
 {
     TAKE_OPTIONS(compare_fills, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_compare_fills(w->ctx, w->mesh, w->lattice, &o, (bvx_fill_comparison *)w->out);
 }
 static bvx_status find_seed(const world *w) { return bvx_find_seed(w->ctx, w->grid, NULL, 0, (bvx_seed *)w->out); }
@@ -136,6 +142,7 @@ static bvx_status voxelize_surface(const world *w)
 {
     TAKE_OPTIONS(surface, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_voxelize_surface(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
 }
 #define MORPH_CALL(name, function)                                 \
@@ -143,6 +150,7 @@ static bvx_status voxelize_surface(const world *w)
     {                                                              \
         TAKE_OPTIONS(morph, o);                                    \
         TAKE_RESERVED(o.reserved);                                 \
+        SPOIL(o);                                                  \
         return function(w->ctx, w->grid, &o, (bvx_grid *)w->out);  \
     }
 MORPH_CALL(grid_dilate, bvx_grid_dilate)
@@ -154,18 +162,21 @@ static bvx_status grid_hollow(const world *w)
     TAKE_OPTIONS(hollow, o);
     o.thickness = 1;
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_grid_hollow(w->ctx, w->grid, &o, (bvx_grid *)w->out);
 }
 static bvx_status grid_distance(const world *w)
 {
     TAKE_OPTIONS(distance, o);
     TAKE_RESERVED(o.reserved[0]);
+    SPOIL(o);
     return bvx_grid_distance(w->ctx, w->grid, &o, BVX_F32, w->out, 512);
 }
 static bvx_status grid_distance_squares(const world *w)
 {
     TAKE_OPTIONS(distance, o);
     TAKE_RESERVED(o.reserved[1]);
+    SPOIL(o);
     return bvx_grid_distance_squares(w->ctx, w->grid, &o, (uint32_t *)w->out, 512);
 }
 static bvx_status refine(const world *w)
@@ -173,12 +184,14 @@ static bvx_status refine(const world *w)
     TAKE_OPTIONS(refine, o);
     o.levels = 1;
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_refine(w->ctx, w->mesh, w->lattice, &o, (bvx_octree **)w->out);
 }
 static bvx_status refine_choose(const world *w)
 {
     TAKE_OPTIONS(refine, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_refine_choose(w->ctx, w->mesh, 16, &o, (bvx_lattice *)w->out);
 }
 static bvx_status octree_lattice(const world *w) { return bvx_octree_lattice(w->ctx, w->tree, 0, (bvx_lattice *)w->out); }
@@ -197,12 +210,14 @@ static bvx_status extract_octree(const world *w)
 {
     TAKE_OPTIONS(extract, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_extract_octree(w->ctx, w->tree, 0, &o, (bvx_mesh *)w->out);
 }
 static bvx_status voxelize_points(const world *w)
 {
     TAKE_OPTIONS(points, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_voxelize_points(w->ctx, w->points, w->lattice, &o, (bvx_grid *)w->out);
 }
 static bvx_status grid_components(const world *w) { return bvx_grid_components(w->ctx, w->grid, 6, NULL, 0, w->second); }
@@ -212,6 +227,7 @@ static bvx_status grid_keep(const world *w)
     TAKE_OPTIONS(keep, o);
     TAKE_RESERVED(o.reserved);
     o.at_least = 2;
+    SPOIL(o);
     return bvx_grid_keep(w->ctx, w->grid, &o, (bvx_grid *)w->out);
 }
 static bvx_status grid_fill_cavities(const world *w) { return bvx_grid_fill_cavities(w->ctx, w->grid, 6, 0, (bvx_grid *)w->out, w->second); }
@@ -220,24 +236,28 @@ static bvx_status extract_count(const world *w)
 {
     TAKE_OPTIONS(extract, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_extract_count(w->ctx, w->grid, &o, (uint64_t *)w->out, w->second);
 }
 static bvx_status extract_surface(const world *w)
 {
     TAKE_OPTIONS(extract, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_extract_surface(w->ctx, w->grid, &o, (bvx_mesh *)w->out);
 }
 static bvx_status faces_count(const world *w)
 {
     TAKE_OPTIONS(faces, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_faces_count(w->ctx, w->grid, &o, (uint64_t *)w->out, w->second);
 }
 static bvx_status extract_faces(const world *w)
 {
     TAKE_OPTIONS(faces, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_extract_faces(w->ctx, w->grid, &o, (bvx_mesh *)w->out);
 }
 static bvx_status mesh_merge(const world *w) { return bvx_mesh_merge(w->ctx, w->body, 1, (bvx_mesh *)w->out); }
@@ -247,6 +267,7 @@ static bvx_status extract_scalar(const world *w)
     TAKE_OPTIONS(scalar, o);
     o.level = 0.5;
     TAKE_RESERVED(o.reserved[1]);
+    SPOIL(o);
     return bvx_extract_scalar(w->ctx, w->volume, &o, (bvx_mesh *)w->out);
 }
 static bvx_status list_labels(const world *w) { return bvx_list_labels(w->ctx, w->volume, NULL, 0, w->second); }
@@ -254,6 +275,7 @@ static bvx_status read_volume(const world *w)
 {
     TAKE_OPTIONS(read_volume, o);
     TAKE_RESERVED(o.reserved[0]);
+    SPOIL(o);
     return bvx_read_volume(w->ctx, w->file->bytes, w->file->size, BVX_FORMAT_NPY, &o, (bvx_volume *)w->out);
 }
 static bvx_status measure_field(const world *w)
@@ -261,6 +283,7 @@ static bvx_status measure_field(const world *w)
     TAKE_OPTIONS(field, o);
     o.half_width = 2;
     TAKE_RESERVED(o.reserved[0]);
+    SPOIL(o);
     return bvx_measure_field(w->ctx, w->mesh, w->lattice, &o, (bvx_field *)w->out);
 }
 static bvx_status field_dense(const world *w) { return bvx_field_dense(w->ctx, w->field, w->mesh, 0, 0, (float *)w->out); }
@@ -268,6 +291,7 @@ static bvx_status extract_field_surface(const world *w)
 {
     TAKE_OPTIONS(field_surface, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_extract_field_surface(w->ctx, w->field, w->mesh, &o, (bvx_mesh *)w->out);
 }
 static bvx_status boolean(const world *w)
@@ -275,23 +299,27 @@ static bvx_status boolean(const world *w)
     TAKE_OPTIONS(boolean, o);
     o.resolution = 8;
     TAKE_RESERVED(o.reserved[0]);
+    SPOIL(o);
     return bvx_boolean(w->ctx, w->mesh, w->mesh, BVX_BOOLEAN_UNION, &o, (bvx_mesh *)w->out);
 }
 static bvx_status build_lods(const world *w)
 {
     TAKE_OPTIONS(lod, o);
     o.resolutions = eight;
+    SPOIL(o);
     return bvx_build_lods(w->ctx, w->grid, &o, 1, (bvx_mesh *)w->out);
 }
 static bvx_status plan_lods(const world *w)
 {
     TAKE_OPTIONS(lod, o);
     o.resolutions = eight;
+    SPOIL(o);
     return bvx_plan_lods(w->ctx, w->mesh, &o, 1, 0, (int32_t *)w->out, NULL);
 }
 static bvx_status build_sections(const world *w)
 {
     TAKE_OPTIONS(sections, o);
+    SPOIL(o);
     return bvx_build_sections(w->ctx, w->sections, &o, (bvx_mesh *)w->out);
 }
 static bvx_status slice_mesh(const world *w)
@@ -299,6 +327,7 @@ static bvx_status slice_mesh(const world *w)
     TAKE_OPTIONS(slice, o);
     TAKE_RESERVED(o.reserved);
     o.spacing = 1;
+    SPOIL(o);
     return bvx_slice_mesh(w->ctx, w->mesh, &o, (bvx_sections *)w->out);
 }
 static bvx_status repair(const world *w)
@@ -306,24 +335,28 @@ static bvx_status repair(const world *w)
     TAKE_OPTIONS(repair, o);
     o.resolution = 8;
     TAKE_RESERVED(o.reserved[0]);
+    SPOIL(o);
     return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
 }
 static bvx_status mesh_simplify(const world *w)
 {
     TAKE_OPTIONS(simplify, o);
     TAKE_RESERVED(o.reserved[0]);
+    SPOIL(o);
     return bvx_mesh_simplify(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }
 static bvx_status plan_levels(const world *w)
 {
     TAKE_OPTIONS(levels, o);
     TAKE_RESERVED(o.reserved[0]);
+    SPOIL(o);
     return bvx_plan_levels(w->ctx, w->mesh, &o, 1, (int32_t *)w->out);
 }
 static bvx_status build_levels(const world *w)
 {
     TAKE_OPTIONS(levels, o);
     TAKE_RESERVED(o.reserved[1]);
+    SPOIL(o);
     return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }
 static bvx_status write_mesh(const world *w) { return bvx_write_mesh(w->ctx, w->body, BVX_FORMAT_PLY, (bvx_buffer *)w->out); }
@@ -331,6 +364,7 @@ static bvx_status write_mesh_with(const world *w)
 {
     TAKE_OPTIONS(write, o);
     o.normals = 1;
+    SPOIL(o);
     return bvx_write_mesh_with(w->ctx, w->body, &o, BVX_FORMAT_OBJ, (bvx_buffer *)w->out);
 }
 static bvx_status check_written(const world *w) { return bvx_check_written(w->ctx, w->body, 1, BVX_FORMAT_STL, (bvx_write_report *)w->out); }
@@ -350,21 +384,25 @@ static bvx_status write_png(const world *w) { return bvx_write_png(w->ctx, w->im
 static bvx_status render_mesh(const world *w)
 {
     RENDER_OPTIONS;
+    SPOIL(o);
     return bvx_render_mesh(w->ctx, w->mesh, &o, (bvx_image *)w->out);
 }
 static bvx_status render_grid(const world *w)
 {
     RENDER_OPTIONS;
+    SPOIL(o);
     return bvx_render_grid(w->ctx, w->grid, &o, (bvx_image *)w->out);
 }
 static bvx_status render_difference(const world *w)
 {
     RENDER_OPTIONS;
+    SPOIL(o);
     return bvx_render_difference(w->ctx, w->grid, w->other, &o, (bvx_image *)w->out);
 }
 static bvx_status render_slices(const world *w)
 {
     RENDER_OPTIONS;
+    SPOIL(o);
     return bvx_render_slices(w->ctx, w->grid, 2, 2, &o, (bvx_image *)w->out);
 }
 static bvx_status read_grid(const world *w) { return bvx_read_grid(w->ctx, w->file->bytes, w->file->size, BVX_FORMAT_NPY, NULL, (bvx_grid *)w->out); }
@@ -374,6 +412,7 @@ static bvx_status read_sections(const world *w)
 {
     TAKE_OPTIONS(read_sections, o);
     TAKE_RESERVED(o.reserved);
+    SPOIL(o);
     return bvx_read_sections(w->ctx, csv, sizeof csv - 1, BVX_FORMAT_CSV, &o, (bvx_sections *)w->out);
 }
 

@@ -429,9 +429,9 @@ static void test_refusals(void)
     o = with(16), o.interpolation = 5;
     refuse(0, &o, BVX_ERR_ARGUMENT, "interpolation");
     o = with(16), o.face_rule = 2;
-    refuse(0, &o, BVX_ERR_ARGUMENT, "face rule");
+    refuse(0, &o, BVX_ERR_ARGUMENT, "face_rule");
     o = with(16), o.position_type = 3;
-    refuse(0, &o, BVX_ERR_ARGUMENT, "position type");
+    refuse(0, &o, BVX_ERR_ARGUMENT, "position_type");
     o = with(16), o.sharp = 2;
     refuse(0, &o, BVX_ERR_ARGUMENT, "sharp");
     o = with(16), o.reserved[0] = 1;

@@ -2,6 +2,8 @@
  * names the function, results left as they were, nothing kept. Each call is made rightly first, so that it is the damage which
  * is refused; then with each damage that one of its arguments can have. Then: choices out of range, sizes beyond memory, meshes
  * into arrays of the caller's, and sections that contradict themselves. */
+#include "unity.h"
+
 #include "call_table.h"
 
 #include <math.h>

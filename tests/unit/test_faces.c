@@ -406,7 +406,7 @@ static void test_refusals(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, near, fine, dims, &l));
     g = noise_grid(ctx, &l, NULL, 2);
     for (int32_t field = 0; field < 4; field++) {
-        static const char *const words[] = {"position type", "merged", "local_frame", "reserved"};
+        static const char *const words[] = {"position_type", "merged", "local_frame", "reserved"};
         bvx_faces_options_init(&o, sizeof o);
         *(field == 0 ? &o.position_type : field == 1 ? &o.merged : field == 2 ? &o.local_frame : &o.reserved) = 3;
         assert_faces_refused(&g, &o, BVX_ERR_ARGUMENT, words[field]);

@@ -369,10 +369,10 @@ static void test_options_out_of_range(void)
     REFUSED(o.half_width = 0, BVX_ERR_ARGUMENT, "half_width is 0");
     REFUSED(o.half_width = -1, BVX_ERR_ARGUMENT, "half_width");
     REFUSED(o.half_width = (double)NAN, BVX_ERR_ARGUMENT, "half_width");
-    REFUSED(o.sign = -1, BVX_ERR_ARGUMENT, "sign rule -1");
-    REFUSED(o.sign = 7, BVX_ERR_ARGUMENT, "sign rule 7");
-    REFUSED(o.value_type = 0, BVX_ERR_ARGUMENT, "value_type is 0");
-    REFUSED(o.value_type = 3, BVX_ERR_ARGUMENT, "value_type is 3");
+    REFUSED(o.sign = -1, BVX_ERR_ARGUMENT, "sign -1");
+    REFUSED(o.sign = 7, BVX_ERR_ARGUMENT, "sign 7");
+    REFUSED(o.value_type = 0, BVX_ERR_ARGUMENT, "value_type 0");
+    REFUSED(o.value_type = 3, BVX_ERR_ARGUMENT, "value_type 3");
     REFUSED(o.no_vectors = 2, BVX_ERR_ARGUMENT, "no_vectors is 2");
     REFUSED(o.features = -1, BVX_ERR_ARGUMENT, "features is -1");
     REFUSED(o.reserved[1] = 1, BVX_ERR_ARGUMENT, "reserved[1]");

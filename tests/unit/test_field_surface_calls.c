@@ -50,8 +50,8 @@ static void test_wrong_options_are_refused(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_field_surface(ctx, &field, NULL, &o, NULL));
     bad = o, bad.interpolation = 5, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "interpolation");
     bad = o, bad.interpolation = -1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "interpolation");
-    bad = o, bad.face_rule = 2, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "face rule");
-    bad = o, bad.position_type = 3, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "position type");
+    bad = o, bad.face_rule = 2, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "face_rule");
+    bad = o, bad.position_type = 3, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "position_type");
     bad = o, bad.local_frame = 2, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "local_frame");
     bad = o, bad.sharp = -1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "sharp");
     bad = o, bad.reserved = 1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "reserved");

@@ -241,9 +241,9 @@ static void test_fit_refuses_contradicting_options(void)
     o = fit_options();
     o.resolution = 4;
     o.padding = -1;
-    ASSERT_REFUSED(BVX_ERR_ARGUMENT, fit(&o, &lattice), "padding -1");
+    ASSERT_REFUSED(BVX_ERR_ARGUMENT, fit(&o, &lattice), "padding is -1");
     o.padding = 65537;
-    ASSERT_REFUSED(BVX_ERR_ARGUMENT, fit(&o, &lattice), "padding 65537");
+    ASSERT_REFUSED(BVX_ERR_ARGUMENT, fit(&o, &lattice), "padding is 65537");
     o.padding = 1;
     o.resolution = 1 << 25;
     ASSERT_REFUSED(BVX_ERR_RANGE, fit(&o, &lattice), "voxels");

@@ -793,10 +793,10 @@ static void test_options_out_of_range_are_named(void)
     REFUSES(threshold, 1.0, "threshold");
     REFUSES(threshold, -0.5, "threshold");
     REFUSES(threshold, (double)NAN, "threshold");
-    REFUSES(edge_samples, -1, "edge samples");
-    REFUSES(edge_samples, 65537, "edge samples");
-    REFUSES(face_rule, 2, "face rule");
-    REFUSES(position_type, 3, "position type");
+    REFUSES(edge_samples, -1, "edge_samples");
+    REFUSES(edge_samples, 65537, "edge_samples");
+    REFUSES(face_rule, 2, "face_rule");
+    REFUSES(position_type, 3, "position_type");
     REFUSES(local_frame, 2, "local_frame");
     REFUSES(first_level, -1, "first_level");
     REFUSES(struct_size, 3, "size");

@@ -458,7 +458,7 @@ static void test_parts_refuse(void)
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_fill_cavities(ctx, &grid, 6, 0, NULL, NULL), "result is NULL");
     bvx_keep_options_init(&o, sizeof o);
     o.connectivity = 4;
-    expect_refused(BVX_ERR_ARGUMENT, bvx_grid_keep(ctx, &grid, &o, &result), "connectivity is 4");
+    expect_refused(BVX_ERR_ARGUMENT, bvx_grid_keep(ctx, &grid, &o, &result), "connectivity 4");
     bvx_keep_options_init(&o, sizeof o);
     o.seed_count = 1;
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_keep(ctx, &grid, &o, &result), "seeds is NULL");

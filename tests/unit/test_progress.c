@@ -1,5 +1,7 @@
 /* test_progress.c - what a progress callback sees: for every public function one fraction that rises to 1, reached by those that
  * succeed only; works within each other share it. */
+#include "unity.h"
+
 #include "call_table.h"
 
 #include "core/core.h"

@@ -685,8 +685,8 @@ static void test_bad_options_are_refused(void)
         const char *words;
     } bad[] = {
         {offsetof(bvx_sections_options, layers), 0, "layers is 0"},       {offsetof(bvx_sections_options, layers), 65, "layers is 65"},
-        {offsetof(bvx_sections_options, caps), 3, "caps is 3"},           {offsetof(bvx_sections_options, crossings), -1, "crossings is -1"},
-        {offsetof(bvx_sections_options, depth), 9, "depth is 9"},         {offsetof(bvx_sections_options, position_type), 3, "position type 3"},
+        {offsetof(bvx_sections_options, caps), 3, "caps 3"},           {offsetof(bvx_sections_options, crossings), -1, "crossings -1"},
+        {offsetof(bvx_sections_options, depth), 9, "depth is 9"},         {offsetof(bvx_sections_options, position_type), 3, "position_type 3"},
         {offsetof(bvx_sections_options, grid), 1, "grid[0] is 1"},        {offsetof(bvx_sections_options, grid), 8193, "grid[0] is 8193"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -697,7 +697,7 @@ static void test_bad_options_are_refused(void)
     }
     bvx_sections_options_init(&o, sizeof o);
     o.spacing = -1.0;
-    refuse(BVX_ERR_ARGUMENT, "the spacing is -1");
+    refuse(BVX_ERR_ARGUMENT, "spacing is -1");
     o.spacing = 1e-9;
     refuse(BVX_ERR_RANGE, "8192 is the limit");
     o.spacing = 1.0;

@@ -1,0 +1,146 @@
+/* option_contract.c - made into a program by check_options.py: the options that the header tells of, as the library and the program's
+ * table have them. option_rows.h is written from the header. Prints "wrong TAB what" for each disagreement, and the table's rows. */
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* What call_table.h wants of a framework of tests. */
+#define TEST_ASSERT_EQUAL_INT32_MESSAGE(a, b, text) \
+    do {                                            \
+        if ((a) != (b)) { fprintf(stderr, "%s\n", text); abort(); } \
+    } while (0)
+#include "call_table.h"
+
+#include "cli_args/args.h"
+
+enum { WHOLE, WIDE, REAL, BYTE, BLOCK };
+
+static bvx_context *contract_context;
+static clock_t contract_until;
+
+static double value_of(const unsigned char *at, size_t size, int shape)
+{
+    int32_t whole;
+    uint64_t wide;
+    double real;
+
+    switch (shape) {
+    case WHOLE: memcpy(&whole, at, sizeof whole); return whole;
+    case WIDE: memcpy(&wide, at, sizeof wide); return (double)wide;
+    case REAL: memcpy(&real, at, sizeof real); return real;
+    case BYTE: return *at;
+    default:
+        for (size_t i = 0; i < size; i++)
+            if (at[i] != 0) return 1;
+        return 0;
+    }
+}
+
+static size_t size_of_shape(int shape)
+{
+    return shape == WHOLE ? 4 : shape == BYTE ? 1 : 8;
+}
+
+static void default_is(const char *kind, const char *field, void (*init)(void *), size_t at, size_t size, int shape, int i, double wanted)
+{
+    unsigned char bytes[4096];
+    double given;
+
+    memset(bytes, 0xa5, sizeof bytes);
+    init(bytes);
+    given = value_of(bytes + at + (size_t)i * size_of_shape(shape), size, shape);
+    if (given != wanted) printf("wrong\tbvx_%s_options_init: %s is %.17g, the header says %.17g\n", kind, field, given, wanted);
+}
+
+/* A value that is taken may ask for much: time and memory are bounded. */
+static int32_t stop_soon(void *user, const char *stage, double fraction)
+{
+    (void)user;
+    (void)stage;
+    (void)fraction;
+    return clock() > contract_until;
+}
+
+static bvx_status call_with(bvx_status (*make)(const world *w), size_t at, size_t size, int shape, double value)
+{
+    int32_t const whole = shape == WHOLE ? (int32_t)value : 0;
+    uint64_t const wide = shape == WIDE ? (uint64_t)value : 0;
+    world w = right_world(contract_context);
+
+    memset(&out, 0, sizeof out);
+    contract_until = clock() + CLOCKS_PER_SEC / 10;
+    w.bad_at = at;
+    w.bad_size = size;
+    w.bad = shape == WHOLE ? (const void *)&whole : shape == WIDE ? (const void *)&wide : (const void *)&value;
+    return make(&w);
+}
+
+static int is_for_range(bvx_status status)
+{
+    const bvx_error *const e = bvx_last_error(contract_context);
+
+    return status != BVX_OK && (e->reason == BVX_REASON_RANGE || e->reason == BVX_REASON_CHOICE);
+}
+
+static void refused(const char *kind, const char *field, bvx_status (*make)(const world *w), size_t at, size_t size, int shape, double value)
+{
+    bvx_status const status = call_with(make, at, size, shape, value);
+    const char *const text = bvx_last_error(contract_context)->text;
+
+    if (status == BVX_OK || status == BVX_CANCELLED)
+        printf("wrong\tbvx_%s_options.%s: %.17g is taken, the header's limit is nearer\n", kind, field, value);
+    else if (!is_for_range(status) || strstr(text, field) == NULL)
+        printf("wrong\tbvx_%s_options.%s: %.17g is refused by \"%s\", which has not the field's name or not the reason of a range\n", kind, field, value, text);
+}
+
+static void taken(const char *kind, const char *field, bvx_status (*make)(const world *w), size_t at, size_t size, int shape, double value)
+{
+    bvx_status const status = call_with(make, at, size, shape, value);
+    const char *const text = bvx_last_error(contract_context)->text;
+
+    if (is_for_range(status) && strstr(text, field) != NULL)
+        printf("wrong\tbvx_%s_options.%s: %.17g is refused by \"%s\", the header allows it\n", kind, field, value, text);
+}
+
+#include "option_rows.h"
+
+static void print_table(void)
+{
+    static const char *const kinds[] = {"FLAG", "INT", "LONG", "REAL", "TRIPLE", "PAIR", "LIST", "BYTES", "CHOICE", "SIZE", "CUT", "SLICES",
+                                        "FILE", "NUMBER", "ERRORS", "SET", "TEXT"};
+    static const struct {
+        const char *name;
+        int32_t bit;
+    } commands[] = {{"info", CLI_INFO}, {"voxelize", CLI_VOXELIZE}, {"lod", CLI_LOD}, {"render", CLI_RENDER}, {"convert", CLI_CONVERT},
+                    {"compare", CLI_COMPARE}, {"faces", CLI_FACES}, {"refine", CLI_REFINE}, {"fill", CLI_FILL}, {"sections", CLI_SECTIONS},
+                    {"slice", CLI_SLICE}, {"repair", CLI_REPAIR}, {"boolean", CLI_BOOLEAN}, {"morph", CLI_MORPH},
+                    {"components", CLI_COMPONENTS}, {"simplify", CLI_SIMPLIFY}};
+    const cli_argument *a;
+
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) printf("command\t%s\t%d\n", commands[i].name, (int)commands[i].bit);
+    for (int i = 0; (a = cli_argument_at(i)) != NULL; i++) {
+        printf("row\t%s\t%d\t%s\t%.17g\t%.17g\t%d\t", a->name, (int)a->commands, kinds[a->kind], a->low, a->high, a->least);
+        for (int k = 0; a->choice != NULL && a->choice[k] != NULL; k++) printf("%s%s", k == 0 ? "" : ",", a->choice[k]);
+        printf("\t%d\t", a->base);
+        for (const char *p = a->help; *p != 0; p++) fputs(*p == '\n' ? "\\n" : (char[2]){*p, 0}, stdout);
+        printf("\n");
+    }
+}
+
+int main(void)
+{
+    bvx_context_options o;
+
+    bvx_context_options_init(&o, sizeof o);
+    o.memory_limit = (uint64_t)256 << 20;
+    o.progress = stop_soon;
+    contract_until = clock() + 60 * CLOCKS_PER_SEC;
+    if (bvx_context_create(&o, &contract_context) != BVX_OK) return 1;
+    make_world(contract_context);
+    all_rows();
+    print_table();
+    return 0;
+}

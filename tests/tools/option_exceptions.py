@@ -1,0 +1,47 @@
+# option_exceptions.py - read by check_options.py: what the program has for itself, and what it says otherwise than the header, each with why.
+
+# Rows that fill no field of an option struct: (command, or "*" for all, and the option).
+OWN = {
+    ("*", "-o"): "names a file", ("*", "--output-dir"): "names a folder", ("*", "--help"): "text", ("*", "--json"): "text", ("*", "--quiet"): "text",
+    ("*", "--progress"): "text", ("*", "--format"): "of files", ("*", "--output-origin"): "taken off when a file is written",
+    ("*", "--shape"): "bvx_read_volume_options.size", ("*", "--skip"): "bvx_read_volume_options.offset",
+    ("*", "--voxel-size"): "bvx_read_volume_options.spacing", ("*", "--range"): "arguments of bvx_threshold", ("*", "--all-labels"): "arguments of bvx_threshold",
+    ("*", "--triangles"): "an array: target_triangles", ("*", "--error"): "an array: target_errors", ("*", "--count"): "how many targets there are",
+    ("*", "--no-sharp"): "sharp = 0", ("*", "--carry"): "bvx_carry", ("*", "--seed"): "an array, or an argument", ("*", "--cut"): "cut_low, cut_high",
+    ("*", "--states"): "an argument of octree calls", ("*", "--expand"): "an argument of bvx_octree_expand", ("*", "--samples"): "0 measures nothing, -1 is not given",
+    ("*", "--window"): "bvx_window", ("voxelize", "--level"): "an argument of bvx_threshold", ("lod", "--level"): "an argument of bvx_threshold",
+    ("faces", "--level"): "an argument of bvx_threshold", ("render", "--level"): "an argument of bvx_threshold", ("convert", "--level"): "an argument of bvx_threshold",
+    ("voxelize", "--label"): "an argument of bvx_threshold", ("lod", "--label"): "an argument of bvx_threshold", ("faces", "--label"): "an argument of bvx_threshold",
+    ("render", "--label"): "an argument of bvx_threshold", ("convert", "--label"): "an argument of bvx_threshold",
+    ("voxelize", "--below"): "an end of bvx_threshold", ("lod", "--below"): "an end of bvx_threshold", ("faces", "--below"): "an end of bvx_threshold",
+    ("render", "--below"): "an end of bvx_threshold", ("convert", "--below"): "an end of bvx_threshold",
+    ("voxelize", "--least-part"): "bvx_keep_options.at_least", ("faces", "--least-part"): "bvx_keep_options.at_least",
+    ("render", "--least-part"): "bvx_keep_options.at_least", ("convert", "--least-part"): "bvx_keep_options.at_least",
+    ("voxelize", "--compare-fills"): "another call", ("voxelize", "--vectors"): "the other way round: no_vectors",
+    ("voxelize", "--half-width"): "0 is for bvx_field_options.half_width = infinity", ("fill", "--add-shell"): "a union of grids",
+    ("fill", "--connectivity"): "an argument of bvx_grid_fill", ("fill", "--mesh"): "an argument of bvx_find_pockets",
+    ("components", "--fill-cavities"): "another call", ("components", "--labels"): "names a file", ("boolean", "--resample"): "another call",
+    ("slice", "--axis"): "bvx_slice_options.normal", ("refine", "--base"): "the resolution of the lattice", ("refine", "--resolution"): "of the last level",
+    ("refine", "--leaves"): "what is written", ("lod", "--levels"): "an array: resolutions", ("morph", "--origin"): "of the lattice",
+    ("morph", "--value-type"): "an argument of bvx_grid_distance", ("sections", "--block-model"): "names a file", ("sections", "--block"): "of the block model",
+    ("info", "--crossings"): "another call", ("render", "--compare"): "another call", ("render", "--from"): "bvx_render_options.direction",
+    ("render", "--slices"): "another call", ("render", "--turntable"): "how many pictures", ("render", "--voxels"): "the resolution of a solid",
+    ("lod", "--normals"): "bvx_write_options.normals", ("repair", "--normals"): "bvx_write_options.normals", ("simplify", "--normals"): "bvx_write_options.normals",
+}
+
+# Defaults that the program sets where the library leaves a choice open.
+LATER = {
+    ("bvx_lattice_options", "resolution", "--resolution of voxelize"): "a lattice must be told; 256 is that of repair",
+    ("bvx_lattice_options", "resolution", "--resolution of faces"): "likewise",
+    ("bvx_lattice_options", "resolution", "--resolution of morph"): "likewise",
+    ("bvx_lod_options", "method", "--method of lod"): "collapse is bvx_build_levels, which is no method of bvx_build_lods",
+}
+
+# Choices of the program whose number is not the field's: from the place among the names, and the base.
+BY_INDEX = {
+    ("bvx_voxelize_options", "axis"): lambda n: n - 1,
+    ("bvx_keep_options", "connectivity"): lambda n: (6, 18, 26)[n],
+    ("bvx_morph_options", "neighbourhood"): lambda n: (6, 18, 26)[n],
+    ("bvx_hollow_options", "drain_side"): lambda n: 1 << n,
+    ("bvx_morph_options", "beyond"): lambda n: n - 1,
+}
