@@ -543,7 +543,7 @@ class Grid:
     def _morphed(self, operation: Any, steps: int, neighbourhood: int, radius: float | None, beyond: bool, *limits: Any) -> Grid:
         options = options_of("morph_options")
         options.neighbourhood = in_range("neighbourhood", neighbourhood, 0, 26) if radius is None else 0
-        options.steps = in_range("steps", steps, 0, 2**31 - 1)
+        options.steps = in_range("steps", steps, 1, 65536)
         if radius is not None and not 0.0 <= float(radius) < float("inf"):
             raise ArgumentError(f"radius is {radius}; it must be finite and not negative")
         options.radius = 0.0 if radius is None else radius
