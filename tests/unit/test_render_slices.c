@@ -350,6 +350,9 @@ static void test_slices_refuse_bad_arguments(void)
     o.width = 0;
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "width is 0");
     o = good;
+    o.smooth = 2;
+    refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "smooth");
+    o = good;
     o.samples = 5;
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "samples");
     o = good;
@@ -369,10 +372,10 @@ static void test_slices_refuse_bad_arguments(void)
     image.pixels = NULL;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_render_slices(ctx, &g, 0, 1, &good, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_render_slices(NULL, &g, 0, 1, &good, &image));
-    o = good; /* what is not looked at may be anything */
+    o = good; /* what is not looked at may be anything in its range */
     o.direction[2] = 0;
     o.up[0] = (double)NAN;
-    o.smooth = o.wireframe = 99;
+    o.smooth = o.wireframe = 1;
     image = sheet_of(&g, 0, 1, &o);
     bvx_image_free(ctx, &image);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_render_slices(ctx, &g, 2, 3, NULL, &image));
