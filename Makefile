@@ -20,7 +20,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo python js js-page test-python test-js test test-quick test-other test-machines deps deps-proof deps-js san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging install uninstall amalgamation clean force \
+.PHONY: all help demo format format-check house python js js-page test-python test-js test test-quick test-other test-machines deps deps-proof deps-js san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -331,6 +331,15 @@ analyze: ## cppcheck, clang-tidy, clang's and gcc's analyzers, stack of every fu
 
 fuzz: ## contracts under a coverage-guided fuzzer (clang; SECONDS_EACH=60 JOBS=1 TARGETS="stl solids" KEEP=1)
 	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' SECONDS_EACH=$(or $(SECONDS_EACH),60) TARGETS='$(TARGETS)' JOBS=$(or $(JOBS),1) KEEP=$(KEEP) sh tests/tools/fuzz.sh
+
+format: ## write all C sources by .clang-format (clang-format 14)
+	@sh tests/tools/format.sh write
+
+format-check: ## name the lines that it would write otherwise
+	@sh tests/tools/format.sh check
+
+house: ## figures of the sources, room by room: paragraphs, comments, lengths of files and functions
+	@python3 tests/tools/house.py
 
 golden: $(call built,,$(golden_tests)) $(BUILD)/libbitvox.so ## recompute golden files and show what changed
 	@sh tests/tools/rewrite_golden.sh $(call built,,$(golden_tests)) $(BUILD)

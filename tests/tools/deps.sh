@@ -4,7 +4,7 @@
 # Does nothing when all is there. Without root or apt it names what is missing; the tests then skip those parts and say so. Never removes a package: the cross compilers and gcc-multilib exclude each other, and gcc-multilib stays.
 set -u
 
-packages='python3-venv python3-dev libcmocka-dev clang cmake zlib1g-dev locales pkg-config qemu-user
+packages='python3-venv python3-dev libcmocka-dev clang clang-format-14 cmake zlib1g-dev locales pkg-config qemu-user
     gcc-i686-linux-gnu libc6-dev-i386-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross'
 proof='ninja-build clang-19 llvm llvm-19 libclang-rt-19-dev g++ gcovr abigail-tools cppcheck clang-tidy
     gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross
